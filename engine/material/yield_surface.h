@@ -1,5 +1,5 @@
-// The closed list of yield surfaces as the scene reader, the page and the solvers see it. The laws themselves
-// are one -inl.h file each and are listed in yield_surface_list-inl.h.
+// The closed list of yield surfaces as the scene reader, the page and the solvers see it. The laws
+// themselves are one -inl.h file each and are listed in yield_surface_list-inl.h.
 #pragma once
 
 #include "engine/material/parameter.h"
@@ -13,14 +13,16 @@ namespace rend {
 
 inline constexpr std::size_t kMaxYieldParameters = 6;
 
-/// How the threshold shrinks within a step: the softened threshold holds after the return (implicit, paths do not
-/// depend on the number of steps), or the slides' rule that projects first and shrinks afterwards (explicit).
+/// How the threshold shrinks within a step: the softened threshold holds after the return
+/// (implicit, paths do not depend on the number of steps), or the slides' rule that projects first
+/// and shrinks afterwards (explicit).
 enum class SofteningRule { implicit_rule, explicit_rule };
 
 /// One yield surface with its numbers.
 struct YieldSurface {
-  int type = 0;                                  ///< index into the list; 0 is "elastic" (never yields)
-  std::array<Real, kMaxYieldParameters> value{};  ///< in the order of yield_surface_parameters(type), SI units
+  int type = 0;  ///< index into the list; 0 is "elastic" (never yields)
+  std::array<Real, kMaxYieldParameters>
+      value{};  ///< in the order of yield_surface_parameters(type), SI units
 };
 
 int yield_surface_count();

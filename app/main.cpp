@@ -1,9 +1,4 @@
 // Entry point of the rend program.
-#include "app/version.h"
+#include "app/command_line.h"
 
-#include <cstdio>
-
-int main() {
-  std::fputs(rend::version_text().c_str(), stdout);
-  return 0;
-}
+int main(int argc, char** argv) { return rend::run_command_line(argc, argv); }

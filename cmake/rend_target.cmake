@@ -3,7 +3,9 @@ include_guard()
 
 add_library(rend_flags INTERFACE)
 target_include_directories(rend_flags INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
-target_compile_options(rend_flags INTERFACE -Wall -Wextra -Wno-unknown-pragmas -fno-math-errno)
+target_compile_options(rend_flags INTERFACE -Wall -Wextra -Wno-unknown-pragmas -fno-math-errno
+  # g++ 12 warns of overlapping copies inside std::string where there are none (GCC bug 105651).
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 target_compile_definitions(rend_flags INTERFACE REND_VERSION="${PROJECT_VERSION}")
 if(REND_SANITIZE)
   target_compile_options(rend_flags INTERFACE -fsanitize=${REND_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -1,0 +1,284 @@
+// The HTTP interface.
+#include "app/api.h"
+
+#include "app/api_query.h"
+#include "app/ply.h"
+#include "app/version.h"
+#include "engine/core/error.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <thread>
+
+namespace rend {
+
+namespace {
+
+using nlohmann::json;
+using web::Request;
+using web::Response;
+
+Response reply(const json& body) { return {200, "application/json", body.dump(), {}}; }
+
+json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+json state_json(const SessionState& s, const Session& session, const PictureService& pictures) {
+  json out = {{"revision", s.revision},
+              {"scene", s.scene_name},
+              {"status", run_state_name(s.run)},
+              {"message", s.message},
+              {"progress", {{"stage", s.progress_stage}, {"share", s.progress_share}}},
+              {"first_frame", s.first_frame},
+              {"frame", std::max<Index>(s.last_frame, 0)},
+              {"notes", s.notes}};
+  out["events"] = json::array();
+  for (const Event& e : s.events) out["events"].push_back({{"frame", e.frame}, {"name", e.name}});
+  if (!s.stage) return out;
+  const SceneDesc& scene = s.stage->scene;
+  out["title"] = scene.name;
+  out["description"] = scene.description;
+  out["frames"] = scene.frames;
+  out["frame_rate"] = scene.frame_rate;
+  out["camera"] = {{"eye", vector_json(scene.camera.eye)},
+                   {"target", vector_json(scene.camera.target)},
+                   {"fov", scene.camera.fov}};
+  out["view"] = {{"color", scene.render.color_by}, {"mode", scene.render.particles ? "particles" : "surface"}};
+  const auto newest = session.frame(-1);
+  if (!newest) return out;
+  const FrameReport& r = newest->frame.snapshot->report;
+  const double step_seconds = s.frames_per_second > 0 ? 1 / s.frames_per_second : 0;
+  out["time"] = r.time;
+  out["particles"] = r.particles;
+  out["substeps"] = r.substeps;
+  out["dt"] = r.dt_min;
+  out["frames_per_second"] = s.frames_per_second;
+  out["realtime_factor"] = step_seconds > 0 ? 1 / (scene.frame_rate * step_seconds) : 0;
+  out["seconds"] = {{"simulate", r.sim_seconds},
+                    {"remesh", newest->cost.post_seconds},
+                    {"render", pictures.last_render_seconds()},
+                    {"encode", pictures.last_encode_seconds()}};
+  out["broken_edges"] = newest->frame.fracture.broken_edges;
+  out["pieces"] = newest->frame.fracture.pieces;
+  out["yielded"] = r.yielded;
+  out["damaged"] = r.damaged;
+  out["reason"] = r.status == Status::ok
+                      ? json(nullptr)
+                      : json{{"status", status_name(r.status)}, {"text", r.reason}, {"frame", r.frame}};
+  return out;
+}
+
+json control_json(const Control& c, const SceneDesc& now, const SceneDesc& loaded) {
+  json out = {{"id", c.id},           {"label", c.label},
+              {"unit", c.unit},       {"help", c.help},
+              {"group", c.group},     {"min", c.min},
+              {"max", c.max},         {"scale", c.logarithmic ? "log" : "linear"},
+              {"value", c.get(now)},  {"default", c.get(loaded)},
+              {"hero", c.hero},       {"applies", c.applies == Applies::live ? "live" : "postprocess"}};
+  if (c.whole) out["step"] = 1;
+  return out;
+}
+
+json parse_body(const Request& request) {
+  if (request.body.empty()) return json::object();
+  constexpr int kDepth = 8;
+  const auto limit = [](int depth, json::parse_event_t, json&) {
+    if (depth > kDepth) throw Error("", "nested too deeply");
+    return true;
+  };
+  json body = json::parse(request.body, limit, false);
+  if (!body.is_object()) throw Error("", "the body must be a JSON object");
+  return body;
+}
+
+Response list_scenes(const ApiContext& context) {
+  json scenes = json::array();
+  for (const std::string& name : context.session.library().names()) {
+    try {
+      const SceneDesc scene = context.session.library().read(name);
+      scenes.push_back({{"name", name}, {"title", scene.name}, {"description", scene.description}});
+    } catch (const Error& error) {
+      scenes.push_back({{"name", name}, {"title", name}, {"description", ""}, {"problem", error.why()}});
+    }
+  }
+  return reply({{"current", context.session.state().scene_name}, {"scenes", scenes}});
+}
+
+Response get_parameters(const ApiContext& context) {
+  const SessionState s = context.session.state();
+  json parameters = json::array();
+  if (s.stage)
+    for (const Control& c : s.controls) parameters.push_back(control_json(c, s.stage->scene, *s.loaded));
+  return reply({{"revision", s.revision}, {"parameters", parameters}});
+}
+
+Response patch_parameters(const ApiContext& context, const Request& request) {
+  const json body = parse_body(request);
+  if (!body.contains("values") || !body["values"].is_object())
+    throw Error("/values", "must be an object of control ids and numbers");
+  SetValues set;
+  for (const auto& [id, value] : body["values"].items()) {
+    if (!value.is_number()) throw Error("/values/" + id, "must be a number");
+    set.values[id] = value.get<Real>();
+  }
+  context.session.send(std::move(set));
+  return reply({{"revision", context.session.state().revision}});
+}
+
+Response post_action(const ApiContext& context, const Request& request) {
+  const std::string& action = request.parts.at(0);
+  const json body = parse_body(request);
+  if (action == "play") context.session.send(Play{});
+  else if (action == "pause") context.session.send(Pause{});
+  else if (action == "reset") context.session.send(Reset{});
+  else if (action == "step") {
+    const json frames = body.value("frames", json(1));
+    if (!frames.is_number_integer() || frames.get<std::int64_t>() < 1 || frames.get<std::int64_t>() > 1000)
+      throw Error("/frames", "must be a whole number from 1 to 1000");
+    context.session.send(Step{frames.get<int>()});
+  } else {
+    return web::problem(404, "unknown_action", "actions are play, pause, step and reset");
+  }
+  return reply({{"revision", context.session.state().revision}});
+}
+
+Response post_scene(const ApiContext& context, const Request& request) {
+  const json body = parse_body(request);
+  if (!body.contains("name") || !body["name"].is_string()) throw Error("/name", "must be the name of a scene");
+  context.session.send(LoadScene{body["name"].get<std::string>()});
+  return reply({{"revision", context.session.state().revision}});
+}
+
+Response post_pull(const ApiContext& context, const Request& request) {
+  const json body = parse_body(request);
+  SetPull set;
+  set.pull.at = read_vector(body, "at");
+  set.pull.force = read_vector(body, "force");
+  set.pull.radius = read_number(body, "radius", 0, 1e3);
+  context.session.send(set);
+  return reply({{"revision", context.session.state().revision}});
+}
+
+/// Waits until the wanted picture differs from the one named by `after`.
+Response get_picture(const ApiContext& context, const Request& request) {
+  const PictureQuery query = read_picture_query(request.query);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(query.wait_ms);
+  while (true) {
+    const SessionState state = context.session.state();
+    const auto recorded = context.session.frame(query.frame);
+    if (!recorded && state.last_frame >= 0) return web::problem(404, "no_frame", "this frame is not recorded");
+    if (recorded && state.stage) {
+      const Frame& frame = recorded->frame;
+      const View view = query.view(*state.stage);
+      const std::string frame_key = fmt::format("{}-{}-{}", state.data, frame.snapshot->frame, state.scene_name);
+      const std::string token = fmt::format("{:016x}", std::hash<std::string>{}(frame_key + view.key()));
+      if (token != query.after) {
+        const auto picture = context.pictures.picture(frame_key, state.stage, frame, view, query.format);
+        if (!picture) return web::problem(503, "stopping", "the server is stopping");
+        return {200, "image/jpeg", picture->bytes,
+                {{"X-Token", token},
+                 {"X-Frame", std::to_string(frame.snapshot->frame)},
+                 {"X-Frames", std::to_string(state.last_frame)},
+                 {"X-Time", fmt::format("{}", frame.snapshot->time)},
+                 {"Cache-Control", "no-store"}}};
+      }
+    }
+    const double left = std::chrono::duration<double>(deadline - std::chrono::steady_clock::now()).count();
+    if (left <= 0 || *request.stopping) return {204, "text/plain", "", {{"Cache-Control", "no-store"}}};
+    context.session.state(state.revision, left, request.stopping);
+  }
+}
+
+Response get_frame_file(const ApiContext& context, const Request& request, bool png) {
+  const Index number = read_frame_number(request.parts.at(0));
+  const auto recorded = context.session.frame(number);
+  const SessionState state = context.session.state();
+  if (!recorded || !state.stage) return web::problem(404, "no_frame", "this frame is not recorded");
+  const std::string name = fmt::format("{}-{:06}", state.scene_name, number);
+  const auto attachment = [&](const char* ending) {
+    return std::map<std::string, std::string>{
+        {"Content-Disposition", fmt::format("attachment; filename=\"{}.{}\"", name, ending)}};
+  };
+  if (!png) return {200, "application/octet-stream", surface_ply(*recorded->frame.surface), attachment("ply")};
+  PictureQuery query = read_picture_query(request.query);
+  query.quality_still = true;
+  const std::string frame_key = fmt::format("{}-{}-{}", state.data, number, state.scene_name);
+  const auto picture = context.pictures.picture(frame_key, state.stage, recorded->frame, query.view(*state.stage),
+                                                PictureFormat::png);
+  if (!picture) return web::problem(503, "stopping", "the server is stopping");
+  return {200, "image/png", picture->bytes, attachment("png")};
+}
+
+Response get_series(const ApiContext& context, const Request& request) {
+  const auto from = request.query.find("from");
+  const Index first = from == request.query.end() ? 0 : read_frame_number(from->second);
+  json frames = json::array(), columns = json::object();
+  const auto add = [&](const char* name, double value) { columns[name].push_back(value); };
+  for (const auto& recorded : context.session.frames_from(first)) {
+    const FrameReport& r = recorded->frame.snapshot->report;
+    frames.push_back(r.frame);
+    add("time", r.time);
+    add("kinetic_energy", r.kinetic_energy);
+    add("elastic_energy", r.elastic_energy);
+    add("gravity_energy", r.gravity_energy);
+    add("dissipated_energy", r.dissipated_energy);
+    add("external_work", r.external_work);
+    add("broken_edges", recorded->frame.fracture.broken_edges);
+    add("pieces", recorded->frame.fracture.pieces);
+    add("sim_seconds", r.sim_seconds);
+    add("post_seconds", recorded->cost.post_seconds);
+    add("render_seconds", context.pictures.last_render_seconds());
+  }
+  return reply({{"from", first}, {"frames", frames}, {"columns", columns}});
+}
+
+Response get_thumbnail(const ApiContext& context, const Request& request) {
+  const SessionState state = context.session.state();
+  const auto recorded = context.session.frame(-1);
+  if (request.parts.at(0) != state.scene_name || !recorded || !state.stage) return {204, "text/plain", "", {}};
+  View view = default_view(state.stage->scene);
+  view.width = 320;
+  view.height = 200;
+  const std::string frame_key =
+      fmt::format("{}-{}-{}", state.data, recorded->frame.snapshot->frame, state.scene_name);
+  const auto picture = context.pictures.picture(frame_key, state.stage, recorded->frame, view, PictureFormat::jpeg);
+  if (!picture) return {204, "text/plain", "", {}};
+  return {200, "image/jpeg", picture->bytes, {{"Cache-Control", "no-store"}}};
+}
+
+Response get_state(const ApiContext& context, const Request& request) {
+  const WaitQuery wait = read_wait_query(request.query);
+  const SessionState state = context.session.state(wait.after, wait.seconds, request.stopping);
+  return reply(state_json(state, context.session, context.pictures));
+}
+
+Response get_version(const ApiContext& context) {
+  return reply({{"version", REND_VERSION},
+                {"notice", version_text()},
+                {"renderer", context.pictures.describe()},
+                {"capabilities", json::array()}});
+}
+
+}  // namespace
+
+std::vector<web::Route> make_api(ApiContext c) {
+  return {
+      {"GET", "/api/health", [](const Request&) { return reply({{"ok", true}}); }},
+      {"GET", "/api/version", [c](const Request&) { return get_version(c); }},
+      {"GET", "/api/scenes", [c](const Request&) { return list_scenes(c); }},
+      {"GET", "/api/scenes/{name}/thumb.jpg", [c](const Request& r) { return get_thumbnail(c, r); }},
+      {"POST", "/api/scene", [c](const Request& r) { return post_scene(c, r); }},
+      {"GET", "/api/state", [c](const Request& r) { return get_state(c, r); }, 0, true},
+      {"GET", "/api/parameters", [c](const Request&) { return get_parameters(c); }},
+      {"PATCH", "/api/parameters", [c](const Request& r) { return patch_parameters(c, r); }},
+      {"POST", "/api/actions/{action}", [c](const Request& r) { return post_action(c, r); }},
+      {"POST", "/api/pull", [c](const Request& r) { return post_pull(c, r); }},
+      {"GET", "/api/frame.jpg", [c](const Request& r) { return get_picture(c, r); }, 0, true},
+      {"GET", "/api/series", [c](const Request& r) { return get_series(c, r); }},
+      {"GET", "/api/frames/{n}.png", [c](const Request& r) { return get_frame_file(c, r, true); }},
+      {"GET", "/api/frames/{n}/mesh.ply", [c](const Request& r) { return get_frame_file(c, r, false); }},
+  };
+}
+
+}  // namespace rend

@@ -1,0 +1,41 @@
+// Reads numbers, vectors and views out of requests, with errors that name what is allowed.
+#pragma once
+
+#include "app/picture_service.h"
+#include "app/view.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <map>
+#include <string>
+
+namespace rend {
+
+using Query = std::map<std::string, std::string>;
+
+/// A picture that a viewer asks for; unset camera numbers fall back to the scene's.
+struct PictureQuery {
+  std::string after;
+  int wait_ms = 0;
+  Index frame = -1;  ///< -1 is the newest
+  int width = 1280, height = 720;
+  bool quality_still = false;
+  PictureFormat format = PictureFormat::jpeg;
+  Query text;
+
+  View view(const Stage& stage) const;
+};
+
+struct WaitQuery {
+  std::uint64_t after = 0;
+  double seconds = 0;
+};
+
+/// All throw Error with the name of the query key and what is allowed.
+PictureQuery read_picture_query(const Query& query);
+WaitQuery read_wait_query(const Query& query);
+Index read_frame_number(const std::string& text);
+Real read_number(const nlohmann::json& body, const char* key, Real min, Real max);
+Vec3 read_vector(const nlohmann::json& body, const char* key);
+
+}  // namespace rend

@@ -1,0 +1,173 @@
+// The command line.
+#include "app/command_line.h"
+
+#include "app/check_command.h"
+#include "app/probe_command.h"
+#include "app/run_command.h"
+#include "app/scene_library.h"
+#include "app/serve_command.h"
+#include "app/version.h"
+#include "engine/core/error.h"
+#include "engine/core/parallel.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <functional>
+#include <iostream>
+
+namespace rend {
+
+namespace {
+
+constexpr int kBadInput = 2;
+constexpr int kFailure = 1;
+
+std::filesystem::path source_root() {
+  const char* root = std::getenv("REND_ROOT");
+  return root ? root : ".";
+}
+
+const std::map<std::string, GlBackend> kBackends = {
+    {"auto", GlBackend::automatic}, {"osmesa", GlBackend::osmesa}, {"egl", GlBackend::egl}};
+
+Overrides parse_overrides(const std::vector<std::string>& texts) {
+  Overrides overrides;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (text.empty() || text[0] != '/' || equals == std::string::npos)
+      throw Error("--set " + text, "must look like /json/pointer=value, for example /grid/dx=0.02");
+    overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return overrides;
+}
+
+/// What the subcommands fill in; the chosen one leaves its work in `action`.
+struct CommandLine {
+  std::string scene;
+  std::vector<std::string> set;
+  std::string size = "1280x720";
+  RunOptions run;
+  ServeOptions serve;
+  std::string material, path;
+  int threads = 0;
+  GlBackend gl = GlBackend::automatic;
+  std::function<int()> action;
+
+  SceneDesc read() const { return SceneLibrary(source_root()).read_any(scene, parse_overrides(set)); }
+};
+
+void parse_size(const std::string& text, int& width, int& height) {
+  char rest = 0;
+  const bool right = std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) == 2;
+  if (!right || width < 16 || height < 16 || width > 8192 || height > 8192)
+    throw Error("--size " + text, "must look like 1280x720, with both numbers from 16 to 8192");
+}
+
+void add_scene_option(CLI::App& command, CommandLine& line) {
+  command.add_option("SCENE", line.scene, "Scene file, or the name of a scene in scenes/")->required();
+  command.add_option("--set", line.set, "Replace a value of the scene: /json/pointer=value (repeatable)");
+}
+
+void add_serve(CLI::App& app, CommandLine& line) {
+  CLI::App* command = app.add_subcommand("serve", "Serve the page: watch a scene tear and steer it in a browser");
+  line.scene = "tear";
+  command->add_option("SCENE", line.scene, "Scene file or name to start with")->capture_default_str();
+  command->add_option("--port", line.serve.server.port, "Port; 0 picks a free one")
+      ->check(CLI::Range(0, 65535))->capture_default_str();
+  command->add_option("--listen", line.serve.server.address, "Address to listen on; others than loopback need --token")
+      ->capture_default_str();
+  command->add_option("--token", line.serve.server.token, "Secret that browsers from elsewhere must present");
+  command->callback([&line] {
+    line.action = [&line] {
+      SceneLibrary library(source_root());
+      const bool is_file = line.scene.ends_with(".json");
+      line.serve.scene = is_file ? library.add(line.scene) : line.scene;
+      line.serve.gl = line.gl;
+      return serve(std::move(library), line.serve);
+    };
+  });
+}
+
+void add_run(CLI::App& app, CommandLine& line) {
+  CLI::App* command = app.add_subcommand("run", "Run a scene without a browser: pictures, meshes and a table");
+  add_scene_option(*command, line);
+  command->add_option("--out", line.run.out, "Run directory to write")->required();
+  command->add_option("--frames", line.run.frames, "Frames to run instead of the scene's")->check(CLI::Range(1, 1000000));
+  command->add_option("--size", line.size, "Picture size, WxH")->capture_default_str();
+  command->add_option("--passes", line.run.accumulate, "Render passes per picture: 1 is fast, 64 is fine")
+      ->check(CLI::Range(1, 1024))->capture_default_str();
+  command->add_option("--png-level", line.run.png_level, "PNG compression, 0 to 9")->check(CLI::Range(0, 9))
+      ->capture_default_str();
+  command->add_flag("--png,!--no-png", line.run.png, "Write png/000001.png ... (on by default)");
+  command->add_flag("--ply,!--no-ply", line.run.ply, "Write mesh/ and particles/ as binary PLY (on by default)");
+  command->callback([&line] {
+    line.action = [&line] {
+      parse_size(line.size, line.run.width, line.run.height);
+      line.run.gl = line.gl;
+      return run_scene(line.read(), line.run);
+    };
+  });
+}
+
+void add_check(CLI::App& app, CommandLine& line) {
+  CLI::App* command = app.add_subcommand("check", "Validate a scene; print particles, memory, time step and speed");
+  add_scene_option(*command, line);
+  command->callback([&line] {
+    line.action = [&line] {
+      check_scene(line.read());
+      return 0;
+    };
+  });
+}
+
+void add_probe(CLI::App& app, CommandLine& line) {
+  CLI::App* command =
+      app.add_subcommand("probe", "Drive one material point along deformation gradients from a CSV file; prints CSV");
+  add_scene_option(*command, line);
+  command->add_option("--material", line.material, "Material of the scene")->required();
+  command->add_option("--path", line.path, "CSV file with the header F11,F12,...,F33, one row a step")->required();
+  command->callback([&line] {
+    line.action = [&line] {
+      probe_material(line.read(), line.material, line.path, std::cout);
+      return 0;
+    };
+  });
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app{"Rend tears things: ductile fracture with the Material Point Method, watched in a browser."};
+  app.name("rend");
+  app.set_version_flag("--version", version_text());
+  app.require_subcommand(1);
+  app.footer("`./rend test` runs every test. Scene files are described in docs/scene-format.md.");
+  CommandLine line;
+  app.add_option("--threads", line.threads, "Worker threads; 0 is one per core")->check(CLI::Range(0, 1024));
+  app.add_option("--gl", line.gl, "How to rasterise: auto, osmesa or egl")
+      ->transform(CLI::CheckedTransformer(kBackends, CLI::ignore_case).description(""))->option_text("auto|osmesa|egl");
+  app.fallthrough();
+  add_serve(app, line);
+  add_run(app, line);
+  add_check(app, line);
+  add_probe(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadInput;
+  }
+  try {
+    set_thread_count(line.threads);
+    return line.action();
+  } catch (const Error& error) {
+    fmt::print(stderr, "rend: {}\n", error.what());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "rend: not enough memory\n");
+    return kFailure;
+  }
+}
+
+}  // namespace rend

@@ -1,0 +1,79 @@
+// The controls table.
+#include "app/controls.h"
+
+#include <algorithm>
+
+namespace rend {
+
+namespace {
+
+/// A slider over five decades at most around the scene's own value, inside what the law allows.
+void set_range(Control& control, Real value, Real allowed_min, Real allowed_max) {
+  if (value > 0) {
+    control.logarithmic = true;
+    control.min = std::max(allowed_min, value / 100);
+    control.max = std::min(allowed_max, value * 100);
+  } else {
+    control.min = std::max(allowed_min, Real(0));
+    control.max = std::min(allowed_max, Real(1e6));
+  }
+}
+
+void add_material(std::vector<Control>& controls, const SceneDesc& scene, std::size_t m) {
+  const MaterialDesc& material = scene.materials[m];
+  const std::string pointer = "/materials/" + material.name;
+  const std::string group = scene.materials.size() > 1 ? "Material " + material.name : "Material";
+  const auto parameters = yield_surface_parameters(material.yield_surface.type);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const Parameter& parameter = parameters[k];
+    Control c{pointer + "/yield_surface/" + parameter.name, parameter.label, parameter.unit, parameter.help, group};
+    set_range(c, material.yield_surface.value[k], parameter.min, parameter.max);
+    c.hero = m == 0 && k == 0;
+    c.get = [m, k](const SceneDesc& s) { return s.materials[m].yield_surface.value[k]; };
+    c.set = [m, k](SceneDesc& s, Real value) { s.materials[m].yield_surface.value[k] = value; };
+    controls.push_back(std::move(c));
+  }
+  Control stiffness{pointer + "/youngs_modulus", "Stiffness (Young's modulus)", "Pa",
+                    "Stiffer matter needs smaller time steps.", group};
+  set_range(stiffness, material.youngs_modulus, material.youngs_modulus / 10, material.youngs_modulus * 10);
+  stiffness.get = [m](const SceneDesc& s) { return s.materials[m].youngs_modulus; };
+  stiffness.set = [m](SceneDesc& s, Real value) { s.materials[m].youngs_modulus = value; };
+  controls.push_back(std::move(stiffness));
+}
+
+Real stretch_or_default(const SceneDesc& scene) { return scene.fracture.stretch.value_or(2); }
+
+void add_fracture(std::vector<Control>& controls, const SceneDesc& scene) {
+  if (scene.fracture.break_test == BreakTest::gap) {
+    Control gap{"/fracture/gap", "Crack opening", "spacings", "Smaller shows finer cracks sooner.", "Fracture", 0.1, 2};
+    gap.get = [](const SceneDesc& s) { return s.fracture.gap; };
+    gap.set = [](SceneDesc& s, Real value) { s.fracture.gap = value; };
+    controls.push_back(std::move(gap));
+  } else {
+    Control stretch{"/fracture/stretch", "Stretch threshold", "x", "Length over rest length.", "Fracture", 1.05, 4};
+    stretch.get = stretch_or_default;
+    stretch.set = [](SceneDesc& s, Real value) { s.fracture.stretch = value; };
+    controls.push_back(std::move(stretch));
+  }
+  Control smoothing{"/fracture/smoothing_iterations", "Smoothing", "passes", "Smooths crack faces.", "Fracture", 0, 20};
+  smoothing.whole = true;
+  smoothing.get = [](const SceneDesc& s) { return static_cast<Real>(s.fracture.smoothing_iterations); };
+  smoothing.set = [](SceneDesc& s, Real value) { s.fracture.smoothing_iterations = static_cast<int>(value); };
+  controls.push_back(std::move(smoothing));
+  for (auto c = controls.end() - 2; c != controls.end(); ++c) c->applies = Applies::postprocess;
+}
+
+}  // namespace
+
+std::vector<Control> make_controls(const SceneDesc& scene) {
+  std::vector<Control> controls;
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) add_material(controls, scene, m);
+  Control gravity{"/gravity/1", "Gravity along y", "m/s2", "Negative pulls down.", "World", -30, 30};
+  gravity.get = [](const SceneDesc& s) { return s.gravity.y(); };
+  gravity.set = [](SceneDesc& s, Real value) { s.gravity.y() = value; };
+  controls.push_back(std::move(gravity));
+  add_fracture(controls, scene);
+  return controls;
+}
+
+}  // namespace rend

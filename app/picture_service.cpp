@@ -1,0 +1,140 @@
+// Pictures on demand.
+#include "app/picture_service.h"
+
+#include "engine/core/error.h"
+#include "render/image_file.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace rend {
+
+namespace {
+
+constexpr std::size_t kRememberedPictures = 48;
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string encode(const Image& image, PictureFormat format) {
+  std::vector<std::uint8_t> bytes;
+  switch (format) {
+    case PictureFormat::jpeg: bytes = encode_jpeg(image, 85, false); break;
+    case PictureFormat::jpeg_still: bytes = encode_jpeg(image, 92, true); break;
+    case PictureFormat::png: bytes = encode_png(image, 3); break;
+  }
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+struct PictureService::Job {
+  std::string key;
+  std::shared_ptr<const Stage> stage;
+  Frame frame;
+  View view;
+  PictureFormat format;
+  std::shared_ptr<const Picture> picture;
+  std::string failure;
+  bool done = false;
+};
+
+PictureService::PictureService(GlBackend backend) : thread_([this, backend] { run(backend); }) {
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, [&] { return ready_ || !failure_.empty(); });
+  if (failure_.empty()) return;
+  lock.unlock();
+  thread_.join();
+  throw Error("renderer", failure_);
+}
+
+PictureService::~PictureService() {
+  {
+    const std::lock_guard lock(mutex_);
+    quit_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+std::shared_ptr<const Picture> PictureService::remembered(const std::string& key) {
+  const auto hit = std::find_if(cache_.begin(), cache_.end(), [&](const auto& entry) { return entry.first == key; });
+  if (hit == cache_.end()) return nullptr;
+  cache_.splice(cache_.begin(), cache_, hit);
+  return hit->second;
+}
+
+std::shared_ptr<const Picture> PictureService::picture(const std::string& frame_key, std::shared_ptr<const Stage> stage,
+                                                       const Frame& frame, const View& view, PictureFormat format) {
+  const std::string key = frame_key + " " + view.key() + " " + std::to_string(static_cast<int>(format));
+  std::unique_lock lock(mutex_);
+  if (auto known = remembered(key)) return known;
+  const auto waiting = std::find_if(jobs_.begin(), jobs_.end(), [&](const auto& job) { return job->key == key; });
+  std::shared_ptr<Job> job;
+  if (waiting != jobs_.end()) {
+    job = *waiting;
+  } else {
+    job = std::make_shared<Job>(Job{key, std::move(stage), frame, view, format, nullptr, {}, false});
+    jobs_.push_back(job);
+    wake_.notify_all();
+  }
+  wake_.wait(lock, [&] { return job->done || quit_; });
+  if (!job->failure.empty()) throw Error("picture", job->failure);
+  return job->picture;
+}
+
+void PictureService::run(GlBackend backend) {
+  std::unique_ptr<Renderer> renderer;
+  try {
+    renderer = std::make_unique<Renderer>(backend);
+  } catch (const Error& error) {
+    const std::lock_guard lock(mutex_);
+    failure_ = error.what();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (renderer) describe_ = renderer->describe();
+    ready_ = renderer != nullptr;
+  }
+  wake_.notify_all();
+  while (renderer) {
+    std::shared_ptr<Job> job;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, [&] { return quit_ || !jobs_.empty(); });
+      if (quit_) return;
+      job = jobs_.front();
+    }
+    auto picture = std::make_shared<Picture>();
+    std::string failure;
+    try {
+      const double start = now();
+      const Drawing drawing = make_drawing(*job->stage, job->frame, job->view);
+      const Image image =
+          renderer->draw(drawing.list, job->view.camera, {job->view.width, job->view.height, job->view.accumulate});
+      const double drawn = now();
+      picture->bytes = encode(image, job->format);
+      picture->render_seconds = drawn - start;
+      picture->encode_seconds = now() - drawn;
+      last_render_seconds_ = picture->render_seconds;
+      last_encode_seconds_ = picture->encode_seconds;
+    } catch (const Error& error) {
+      failure = error.what();
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      jobs_.pop_front();
+      job->failure = failure;
+      job->done = true;
+      if (failure.empty()) {
+        job->picture = picture;
+        cache_.emplace_front(job->key, std::move(picture));
+        if (cache_.size() > kRememberedPictures) cache_.pop_back();
+      }
+    }
+    wake_.notify_all();
+  }
+}
+
+}  // namespace rend

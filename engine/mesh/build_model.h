@@ -21,8 +21,9 @@ using Progress = std::function<void(const char* stage, double share)>;
 /// @throws Error when a mesh cannot be read.
 ModelEstimate estimate_model(const SceneDesc& scene);
 
-/// Builds all bodies. @throws Error with the JSON pointer of the body when a shape cannot be filled, and when
-/// the estimate exceeds `memory_limit` bytes.
-Model build_model(const SceneDesc& scene, double memory_limit = 16e9, const Progress& progress = {});
+/// Builds all bodies. @throws Error with the JSON pointer of the body when a shape cannot be
+/// filled, and when the estimate exceeds `memory_limit` bytes.
+Model build_model(const SceneDesc& scene, double memory_limit = 16e9,
+                  const Progress& progress = {});
 
 }  // namespace rend

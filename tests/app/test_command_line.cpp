@@ -1,0 +1,102 @@
+// The program as people call it: help, runs, and one clear message for each kind of bad input.
+#include "program.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <sstream>
+
+using namespace rend::test;
+
+namespace {
+
+std::string read(const std::filesystem::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::size_t lines_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace
+
+TEST_CASE("help reads well for the program and each subcommand") {
+  for (const char* command : {"", "serve ", "run ", "check ", "probe "}) {
+    CAPTURE(command);
+    const Outcome help = run_rend(std::string(command) + "--help");
+    CHECK(help.exit_code == 0);
+    CHECK(help.text.find("Usage: rend") != std::string::npos);
+  }
+  CHECK(run_rend("--version").text.find("GPL") != std::string::npos);
+}
+
+TEST_CASE("an unknown command or option is bad input") {
+  for (const char* arguments : {"", "tear", "run", "run x.json", "serve --port 99999", "run x.json --out o --frames 0"}) {
+    CAPTURE(arguments);
+    CHECK(run_rend(arguments).exit_code == 2);
+  }
+}
+
+TEST_CASE("a run leaves pictures, meshes, particles and the table behind") {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("small.json", small_scene());
+  const auto out = folder.path() / "out";
+  const Outcome run = run_rend("run '" + scene.string() + "' --frames 3 --size 320x180 --passes 1 --out '" + out.string() + "'");
+  CAPTURE(run.text);
+  REQUIRE(run.exit_code == 0);
+  for (const char* name : {"scene.json", "png/000001.png", "png/000003.png", "mesh/000003.ply", "particles/000002.ply"})
+    CHECK(std::filesystem::file_size(out / name) > 100);
+  const std::string table = read(out / "frames.csv");
+  CHECK(lines_of(table) == 4);
+  const std::string header = table.substr(0, table.find('\n'));
+  for (const char* column :
+       {"frame", "time", "substeps", "dt_min", "dt_max", "sim_seconds", "post_seconds", "render_seconds", "particles", "mass",
+        "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z",
+        "kinetic_energy", "elastic_energy", "gravity_energy", "dissipated_energy", "external_work", "max_speed", "yielded",
+        "damaged", "broken_edges", "pieces", "surface_vertices", "surface_triangles", "surface_volume", "state_hash"}) {
+    CAPTURE(column);
+    CHECK(("," + header + ",").find("," + std::string(column) + ",") != std::string::npos);
+  }
+  CHECK(run_rend("check '" + (out / "scene.json").string() + "'").exit_code == 0);
+}
+
+TEST_CASE("bad scene files: one clear message, exit code 2, nothing written") {
+  struct Row {
+    const char* what;
+    std::string text;
+    const char* said;
+  };
+  const auto replaced = [](const char* from, const char* to) {
+    std::string text = small_scene();
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, std::string(from).size(), to);
+  };
+  const std::vector<Row> rows = {
+      {"unknown key", small_scene(R"(, "gravty": [0,0,0])"), "gravity"},
+      {"wrong type", replaced("\"frames\": 30", "\"frames\": \"many\""), "/frames"},
+      {"NaN", replaced("8e3", "NaN"), "small.json"},
+      {"infinite", replaced("8e3", "1e999"), "small.json"},
+      {"duplicate key", replaced("\"frames\": 30", "\"frames\": 30, \"frames\": 31"), "frames"},
+      {"out of range", replaced("\"poisson_ratio\": 0.3", "\"poisson_ratio\": 0.7"), "/materials/clay/poisson_ratio"},
+      {"missing mesh", replaced(R"({"type": "box", "size": [0.6, 0.15, 0.15]})", R"({"type": "mesh", "file": "none.obj", "height": 1})"),
+       "none.obj"},
+      {"depth 100,000", std::string(100000, '['), "small.json"},
+      {"1e9 particles", replaced("\"dx\": 0.05", "\"dx\": 0.0005"), "particles"},
+      {"empty", "", "small.json"},
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.what);
+    const TemporaryFolder folder;
+    const auto scene = folder.write("small.json", row.text);
+    const auto out = folder.path() / "out";
+    const Outcome run = run_rend("run '" + scene.string() + "' --frames 1 --out '" + out.string() + "'");
+    CAPTURE(run.text);
+    CHECK(run.exit_code == 2);
+    CHECK(lines_of(run.text) == 1);
+    CHECK(run.text.find(row.said) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(out));
+  }
+}

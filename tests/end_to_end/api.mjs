@@ -1,0 +1,86 @@
+// The real program over HTTP: the first picture in time, transport, steering, errors, a clean end.
+// Run: REND_BINARY=build/release/rend REND_ROOT=. node --test tests/end_to_end/api.mjs
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { RendServer } from "./server.mjs";
+
+const binary = process.env.REND_BINARY;
+const root = process.env.REND_ROOT;
+const threshold = "/materials/clay/yield_surface/tau_c";
+let server;
+
+before(async () => {
+  server = await RendServer.start(binary, root);
+});
+after(async () => {
+  await server?.stop();
+});
+
+test("the first picture of the default scene is there within 10 s of the start", async () => {
+  const begun = performance.now();
+  let picture;
+  do picture = await server.get("/api/frame.jpg?wait=1000&w=640&h=360");
+  while (picture.status === 204);
+  const seconds = server.startSeconds + (performance.now() - begun) / 1000;
+  assert.equal(picture.status, 200);
+  const bytes = new Uint8Array(picture.body);
+  assert.deepEqual([...bytes.slice(0, 2)], [0xff, 0xd8]);
+  assert.ok(bytes.length > 5000, `only ${bytes.length} bytes`);
+  assert.ok(seconds < 10, `took ${seconds} s`);
+  console.log(`first picture after ${seconds.toFixed(2)} s`);
+});
+
+test("play advances frames, pause stops them, step makes one", async () => {
+  await server.send("POST", "/api/actions/play");
+  await server.until((s) => s.frame >= 3);
+  await server.send("POST", "/api/actions/pause");
+  const paused = await server.until((s) => s.status === "paused");
+  await new Promise((wake) => setTimeout(wake, 500));
+  assert.equal((await server.get("/api/state")).body.frame, paused.frame);
+  await server.send("POST", "/api/actions/step", { frames: 1 });
+  const stepped = await server.until((s) => s.frame > paused.frame);
+  assert.equal(stepped.frame, paused.frame + 1);
+});
+
+test("every recorded frame comes as PNG and as PLY", async () => {
+  const png = await server.get("/api/frames/1.png?w=320&h=180");
+  assert.equal(Buffer.from(png.body).subarray(1, 4).toString(), "PNG");
+  const ply = await server.get("/api/frames/1/mesh.ply");
+  assert.ok(Buffer.from(ply.body).subarray(0, 200).toString().startsWith("ply\nformat binary_little_endian"));
+  assert.equal((await server.get("/api/frames/99999.png")).status, 404);
+});
+
+test("bad requests are refused with a problem that names the place", async () => {
+  const range = await server.send("PATCH", "/api/parameters", { values: { [threshold]: -1 } });
+  assert.equal(range.status, 422);
+  assert.equal(range.body.pointer, `/values/${threshold}`);
+  assert.equal((await server.send("PATCH", "/api/parameters", "{")).status, 422);
+  assert.equal((await server.send("POST", "/api/scene", { name: "../../etc/passwd" })).status, 422);
+  assert.equal((await server.send("POST", "/api/actions/explode")).status, 404);
+  assert.equal((await server.get("/api/frame.jpg?w=100000")).status, 422);
+  assert.equal((await server.get("/api/nothing")).status, 404);
+});
+
+test("with its own threshold the bar tears, with a high one it holds", { timeout: 900_000 }, async () => {
+  const finished = (s) => s.status === "finished" || s.status === "stopped";
+  await server.send("POST", "/api/actions/play");
+  const torn = await server.until(finished, 400);
+  assert.equal(torn.status, "finished", torn.message);
+  assert.ok(torn.pieces >= 2, `${torn.pieces} pieces`);
+  const { parameters } = (await server.get("/api/parameters")).body;
+  const high = parameters.find((p) => p.id === threshold).max;
+  await server.send("POST", "/api/actions/reset");
+  await server.until((s) => s.frame === 0);
+  await server.send("POST", "/api/actions/play");
+  await server.until((s) => s.frame >= 2);
+  const changed = await server.send("PATCH", "/api/parameters", { values: { [threshold]: high } });
+  assert.equal(changed.status, 200);
+  const whole = await server.until(finished, 400);
+  assert.equal(whole.pieces, 1);
+});
+
+test("SIGTERM ends the server within 2 s", async () => {
+  const { code, seconds } = await server.stop();
+  assert.equal(code, 0);
+  assert.ok(seconds < 2, `took ${seconds} s`);
+});

@@ -7,7 +7,7 @@ namespace rend {
 
 /// Pose and velocity of a rigid body at one time.
 struct RigidPose {
-  Vec3 position = Vec3::Zero();          ///< [m]
+  Vec3 position = Vec3::Zero();  ///< [m]
   Mat3 rotation = Mat3::Identity();
   Vec3 velocity = Vec3::Zero();          ///< of the origin [m/s]
   Vec3 angular_velocity = Vec3::Zero();  ///< [rad/s]
@@ -15,13 +15,17 @@ struct RigidPose {
   Vec3 to_world(const Vec3& local) const { return position + rotation * local; }
   Vec3 to_local(const Vec3& world) const { return rotation.transpose() * (world - position); }
   /// Velocity of the material point that is at `world` now [m/s].
-  Vec3 velocity_at(const Vec3& world) const { return velocity + angular_velocity.cross(world - position); }
+  Vec3 velocity_at(const Vec3& world) const {
+    return velocity + angular_velocity.cross(world - position);
+  }
 };
 
-/// Pose of a collider at a time [s]; linear between keyframes (rotation vectors too), constant outside.
+/// Pose of a collider at a time [s]; linear between keyframes (rotation vectors too), constant
+/// outside; at a keyframe the velocity is that of the segment after it.
 RigidPose pose_at(const std::vector<Keyframe>& motion, Real time);
 
-/// Signed distance [m] from a point in the collider's own frame, negative inside, and its outward gradient.
+/// Signed distance [m] from a point in the collider's own frame, negative inside, and its outward
+/// gradient.
 struct Distance {
   Real value;
   Vec3 normal;

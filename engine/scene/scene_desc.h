@@ -34,10 +34,12 @@ struct SolverDesc {
   int xpic_order = 2;       ///< m of XPIC(m); 1 is PIC
   Real cfl = 0.6;           ///< share of the stable step and of a cell a particle may cross [-]
   Real time_step = 0;       ///< fixed step [s]; 0 chooses it
+  bool operator==(const SolverDesc&) const = default;
 };
 
 struct GridDesc {
   Real dx = 0;  ///< node spacing [m]; nodes lie at integer multiples from the world origin
+  bool operator==(const GridDesc&) const = default;
 };
 
 struct DamageDesc {
@@ -45,12 +47,14 @@ struct DamageDesc {
   Real threshold = 0.1;        ///< damaged once tau_c <= threshold * tau_c0 [-]
   Real shear_factor = 0.3;     ///< mu of damaged material over mu [-]; lambda stays
   Real friction_angle = 30;    ///< of damaged material [deg]
+  bool operator==(const DamageDesc&) const = default;
 };
 
 /// Strength varied in space by a seeded field tied to the rest position; off when modulus is 0.
 struct StrengthFieldDesc {
   Real modulus = 0;  ///< Weibull modulus m [-], larger is more uniform; 0 is off
   Real length = 0;   ///< correlation length [m]
+  bool operator==(const StrengthFieldDesc&) const = default;
 };
 
 struct MaterialDesc {
@@ -63,20 +67,35 @@ struct MaterialDesc {
   std::optional<Real> fracture_energy;  ///< [J/m2]; when given, softening was derived from it and dx (crack band)
   DamageDesc damage;
   StrengthFieldDesc strength_field;
+  bool operator==(const MaterialDesc&) const = default;
 };
 
-struct BoxDesc { Vec3 size; };                          ///< edge lengths [m]
-struct SphereDesc { Real radius; };                     ///< [m]
-struct CylinderDesc { Real radius, height; };           ///< axis along y [m]
-struct TorusDesc { Real major_radius, minor_radius; };  ///< axis along y [m]
-struct PrismDesc {                                      ///< simple polygon in x-y, extruded along z [m]
+struct BoxDesc {  ///< edge lengths [m]
+  Vec3 size = Vec3::Ones();
+  bool operator==(const BoxDesc&) const = default;
+};
+struct SphereDesc {  ///< [m]
+  Real radius = 1;
+  bool operator==(const SphereDesc&) const = default;
+};
+struct CylinderDesc {  ///< axis along y [m]
+  Real radius = 1, height = 1;
+  bool operator==(const CylinderDesc&) const = default;
+};
+struct TorusDesc {  ///< axis along y [m]
+  Real major_radius = 1, minor_radius = 0.5;
+  bool operator==(const TorusDesc&) const = default;
+};
+struct PrismDesc {  ///< simple polygon in x-y, extruded along z [m]
   std::vector<Eigen::Vector2d> outline;                 ///< counter-clockwise
-  Real depth;
+  Real depth = 1;
+  bool operator==(const PrismDesc&) const = default;
 };
 struct MeshDesc {
   std::string file;   ///< as written in the scene
   std::string path;   ///< where it was found
-  Real height;        ///< scaled to this extent along y [m]
+  Real height = 1;    ///< scaled to this extent along y [m]
+  bool operator==(const MeshDesc&) const = default;
 };
 using ShapeDesc = std::variant<BoxDesc, SphereDesc, CylinderDesc, TorusDesc, PrismDesc, MeshDesc>;
 
@@ -90,9 +109,13 @@ struct BodyDesc {
   Vec3 rotation = Vec3::Zero();           ///< rotation vector, axis times angle [deg]
   Vec3 velocity = Vec3::Zero();           ///< [m/s]
   Mat3 velocity_gradient = Mat3::Zero();  ///< [1/s], about the body's centre
+  bool operator==(const BodyDesc&) const = default;
 };
 
-struct PlaneDesc { Vec3 normal; };  ///< half space; the normal points out of the collider
+struct PlaneDesc {  ///< half space; the normal points out of the collider and may have any length
+  Vec3 normal = Vec3::UnitY();
+  bool operator==(const PlaneDesc&) const = default;
+};
 using ColliderShape = std::variant<PlaneDesc, BoxDesc, SphereDesc, CylinderDesc>;
 
 /// Position and rotation at a time; linear in between, constant before the first and after the last.
@@ -100,6 +123,7 @@ struct Keyframe {
   Real time = 0;                  ///< [s]
   Vec3 position = Vec3::Zero();   ///< [m]
   Vec3 rotation = Vec3::Zero();   ///< rotation vector, axis times angle [deg]
+  bool operator==(const Keyframe&) const = default;
 };
 
 struct ColliderDesc {
@@ -109,6 +133,7 @@ struct ColliderDesc {
   std::vector<Keyframe> motion;   ///< at least one keyframe
   Real release_time = -1;         ///< the collider vanishes at this time [s]; negative: never
   bool visible = true;
+  bool operator==(const ColliderDesc&) const = default;
 };
 
 struct FractureDesc {
@@ -116,18 +141,21 @@ struct FractureDesc {
   std::optional<Real> stretch;   ///< edge stretch that breaks an edge [-]; empty is "auto"
   Real gap = 0.5;                ///< rigid gap that breaks an edge, in mean edge lengths [-]
   int smoothing_iterations = 5;
+  bool operator==(const FractureDesc&) const = default;
 };
 
 struct CameraDesc {
   Vec3 eye = Vec3(2, 1, 2);
   Vec3 target = Vec3::Zero();
   Real fov = 30;  ///< vertical [deg]
+  bool operator==(const CameraDesc&) const = default;
 };
 
 struct RenderDesc {
   std::string color_by = "damage";  ///< "none", "damage", "stress", "speed", "piece" or "yielded"
   bool particles = false;           ///< show particles instead of the surface
   std::optional<Real> floor;        ///< height of the studio floor [m]; empty: below everything
+  bool operator==(const RenderDesc&) const = default;
 };
 
 struct SceneDesc {
@@ -145,6 +173,7 @@ struct SceneDesc {
   FractureDesc fracture;
   CameraDesc camera;
   RenderDesc render;
+  bool operator==(const SceneDesc&) const = default;
 };
 
 }  // namespace rend

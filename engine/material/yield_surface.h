@@ -23,6 +23,7 @@ struct YieldSurface {
   int type = 0;  ///< index into the list; 0 is "elastic" (never yields)
   std::array<Real, kMaxYieldParameters>
       value{};  ///< in the order of yield_surface_parameters(type), SI units
+  bool operator==(const YieldSurface&) const = default;
 };
 
 int yield_surface_count();

@@ -298,7 +298,7 @@ void FieldReader::sequence(const Field& field, const Sequence& sequence) {
 
 void FieldReader::variant(const Field& field, int& value, Names names,
                           const std::function<void(FieldVisitor&, int)>& fields) {
-  const JsonValue* json = take(field);
+  const JsonValue* json = take({field.key, field.help});
   if (json)
     value = static_cast<int>(read_name(*json, place(field.key), field.key, strings(names)));
   else if (!absent_)

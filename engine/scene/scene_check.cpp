@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/error.h"
+#include "engine/material/law_constants.h"
 #include "engine/scene/json_value.h"
 
 namespace rend {
@@ -17,14 +20,17 @@ using Point = Eigen::Vector2d;
 
 constexpr Real kMaxStepsPerFrame = 1e6;
 
-/// Modulus of uniaxial strain, 2 mu + lambda [Pa].
-Real p_wave_modulus(const MaterialDesc& m) {
-  const Real nu = m.poisson_ratio;
-  return m.youngs_modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
-}
-
-Real bulk_modulus(const MaterialDesc& m) {
-  return m.youngs_modulus / (3 * (1 - 2 * m.poisson_ratio));
+/// The softening from which the yield surface of `m` snaps back; asked of the law itself, by
+/// halving.
+Real snap_back_limit(MaterialDesc m, std::size_t softening) {
+  m.softening_rule = SofteningRule::implicit_rule;
+  Real& value = m.yield_surface.value[softening];
+  Real low = 0, high = value;
+  for (int i = 0; i < 60; ++i) {
+    value = (low + high) / 2;
+    (snaps_back(m) ? high : low) = value;
+  }
+  return high;
 }
 
 Real band_width(const SceneDesc& scene, const BodyDesc& body) {
@@ -48,19 +54,20 @@ void derive_softening(SceneDesc& scene, std::size_t index, const std::string& wh
     width = w;
   }
   if (width == 0) width = band_width(scene, BodyDesc{});
-  const int type = m.yield_surface.type;
-  const Real tau_c = m.yield_surface.value[*find_parameter(type, "tau_c")];
-  const Real softening = width * tau_c * tau_c / (2 * *m.fracture_energy);
-  const Real limit = p_wave_modulus(m);
-  if (softening >= limit)
-    throw Error(
-        key,
-        fmt::format("is {} J/m2, which at dx = {} m asks for softening {:.4g} Pa; it must stay "
-                    "below 2 mu + lambda = {:.4g} Pa or the stress snaps back; take dx below "
-                    "{:.4g} m or fracture_energy above {:.4g} J/m2",
-                    *m.fracture_energy, scene.grid.dx, softening, limit,
-                    scene.grid.dx * limit / softening, *m.fracture_energy * softening / limit));
-  m.yield_surface.value[*find_parameter(type, "softening")] = softening;
+  const std::size_t softening = *find_parameter(m.yield_surface.type, "softening");
+  const Real tau_c = m.yield_surface.value[*find_parameter(m.yield_surface.type, "tau_c")];
+  const Real alpha = width * tau_c * tau_c / (2 * *m.fracture_energy);
+  m.yield_surface.value[softening] = alpha;
+  MaterialDesc implicit = m;
+  implicit.softening_rule = SofteningRule::implicit_rule;
+  if (!snaps_back(implicit)) return;
+  const Real limit = snap_back_limit(m, softening);
+  throw Error(
+      key, fmt::format(
+               "is {} J/m2, which at dx = {} m asks for softening {:.4g} Pa; from {:.4g} Pa "
+               "the stress snaps back: take dx below {:.4g} m or fracture_energy above {:.4g} J/m2",
+               *m.fracture_energy, scene.grid.dx, alpha, limit, scene.grid.dx * limit / alpha,
+               *m.fracture_energy * alpha / limit));
 }
 
 Real cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -162,7 +169,9 @@ void check_time_steps(const SceneDesc& scene, const std::string& where) {
   if (fixed > 0) return;
   for (const BodyDesc& body : scene.bodies) {
     const MaterialDesc& m = scene.materials[body.material];
-    const Real stiffness = std::max(3 * bulk_modulus(m), p_wave_modulus(m));
+    const Lame lame = lame_parameters(m.youngs_modulus, m.poisson_ratio);
+    const Real stiffness =
+        3 * lame.lambda + 2 * lame.mu;  // 3K bounds free particles, and 2 mu + lambda
     const Real step = scene.solver.cfl * scene.grid.dx * std::sqrt(m.density / stiffness);
     if (frame / step > kMaxStepsPerFrame)
       throw Error(

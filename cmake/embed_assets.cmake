@@ -1,5 +1,5 @@
 # Turns the files of a folder into one C++ source with their bytes.
-# As include: embed_assets(target folder). As script: -DFOLDER= -DOUTPUT= -DFILES=a;b -P.
+# As include: embed_assets(target folder). As script: -DFOLDER= -DOUTPUT= -DFILES=a|b -P.
 
 if(CMAKE_SCRIPT_MODE_FILE)
   set(types
@@ -14,6 +14,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
     ico "image/x-icon"
     woff2 "font/woff2"
     txt "text/plain; charset=utf-8")
+  string(REPLACE "|" ";" FILES "${FILES}")
   set(arrays "")
   set(table "")
   set(number 0)
@@ -74,7 +75,7 @@ function(embed_assets target folder)
   list(SORT files)
   list(TRANSFORM files PREPEND ${folder}/ OUTPUT_VARIABLE inputs)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/page_assets.cpp)
-  string(REPLACE ";" "\\;" listed "${files}")
+  string(REPLACE ";" "|" listed "${files}")
   add_custom_command(OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} -DFOLDER=${folder} -DOUTPUT=${output} "-DFILES=${listed}" -P ${REND_EMBED_SCRIPT}
     DEPENDS ${inputs} ${REND_EMBED_SCRIPT}

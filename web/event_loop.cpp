@@ -217,6 +217,7 @@ void EventLoop::take_completions() {
 void EventLoop::enter(Connection& connection, Phase phase, Clock::duration allowed) {
   connection.phase = phase;
   connection.since = now_;
+  connection.marked = 0;
   connection.deadline =
       allowed == Clock::duration::max() ? Clock::time_point::max() : now_ + allowed;
 }

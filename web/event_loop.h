@@ -56,7 +56,8 @@ class EventLoop {
     std::size_t sent = 0;
     bool keep_alive = false;
     std::size_t drained = 0;
-    std::size_t reserved = 0;                     ///< its share of body_bytes_
+    std::size_t marked = 0;    ///< bytes the peer had moved when the deadline was last put off
+    std::size_t reserved = 0;  ///< its share of body_bytes_
     std::shared_ptr<std::atomic<bool>> stopping;  ///< while a handler has it
   };
 

@@ -1,5 +1,7 @@
 // One request after another on a connection: receive, check, dispatch, reply.
+#include <linux/sockios.h>
 #include <sys/epoll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -20,9 +22,16 @@ using namespace std::chrono_literals;
 constexpr std::size_t all_bodies_limit = 256u << 20;
 constexpr std::size_t drain_limit = 1u << 20;
 
-// A peer may be slow, but not slower than this for long.
-std::chrono::steady_clock::duration earned_time(std::size_t bytes) {
-  return std::chrono::milliseconds(bytes / 32);
+// A peer may be slow, but not slower than 32 kB/s over a whole span of waiting.
+bool moved_enough(std::size_t bytes, std::chrono::milliseconds span) {
+  return bytes >= static_cast<std::size_t>(span.count()) * 32;
+}
+
+// What the client has taken, not what the kernel holds for it: buffers swallow megabytes at once.
+std::size_t acknowledged(int fd, std::size_t sent) {
+  int queued = 0;
+  if (::ioctl(fd, SIOCOUTQ, &queued) != 0) return sent;
+  return sent - std::min(sent, static_cast<std::size_t>(queued));
 }
 
 Response problem_of(const Refusal& refusal) {
@@ -90,8 +99,7 @@ void EventLoop::advance(Connection& connection) {
     enter(connection, Phase::body, options_.body_time);
   }
   const std::size_t got = connection.in.size() - connection.head_length;
-  if (got >= connection.head.content_length) return dispatch(connection);
-  connection.deadline = connection.since + options_.body_time + earned_time(got);
+  if (got >= connection.head.content_length) dispatch(connection);
 }
 
 // Everything that can be refused is refused here, before a byte of the body is waited for.
@@ -214,7 +222,6 @@ void EventLoop::send_more(Connection& connection) {
                connection.out.size() - connection.sent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
-      connection.deadline = connection.since + options_.write_time + earned_time(connection.sent);
       return watch(connection, EPOLLOUT);
     }
     if (count <= 0) return close(connection);
@@ -245,16 +252,29 @@ void EventLoop::drain(Connection& connection) {
 }
 
 void EventLoop::expire(Connection& connection) {
+  // Grants another span when the peer kept moving during the last one.
+  const auto extend = [&](std::size_t moved, std::chrono::milliseconds span) {
+    if (!moved_enough(moved - connection.marked, span)) return false;
+    connection.marked = moved;
+    connection.deadline = now_ + span;
+    return true;
+  };
   switch (connection.phase) {
-    case Phase::head:
     case Phase::body:
+      if (extend(connection.in.size(), options_.body_time)) return;
+      [[fallthrough]];
+    case Phase::head:
       return refuse(connection, problem(408, "timeout", "The request took too long to arrive."),
                     false);
     case Phase::delayed:
       enter(connection, Phase::writing, options_.write_time);
       return send_more(connection);
-    case Phase::idle:
     case Phase::writing:
+      if (extend(acknowledged(connection.socket.get(), connection.sent), options_.write_time)) {
+        return;
+      }
+      return close(connection);
+    case Phase::idle:
     case Phase::draining:
     case Phase::working:
       return close(connection);

@@ -60,10 +60,10 @@ struct ServerOptions {
   std::string token;  ///< needed for any address that is not loopback; 16 or more of [A-Za-z0-9_-]
   int max_connections = 64;
   int max_viewers = 16;
-  std::chrono::milliseconds head_time{5000};   ///< for a whole request head, from its first byte
-  std::chrono::milliseconds body_time{10000};  ///< for a body, plus 1 s for each 32 KiB received
-  std::chrono::milliseconds write_time{5000};  ///< for a reply, plus 1 s for each 32 KiB taken
-  std::chrono::milliseconds idle_time{30000};  ///< between two requests of one connection
+  std::chrono::milliseconds head_time{5000};    ///< for a whole request head, from its first byte
+  std::chrono::milliseconds body_time{10000};   ///< span in which a body must bring 32 kB/s
+  std::chrono::milliseconds write_time{10000};  ///< span in which a client must take 32 kB/s
+  std::chrono::milliseconds idle_time{30000};   ///< between two requests of one connection
 };
 
 class Server {

@@ -17,8 +17,8 @@ set(allow_bench           engine render bench)
 set(allow_tests           engine render web app bench tests)
 
 # The only files that may include a costly or foreign header, as regular expressions.
-set(only_httplib   "^web/.*\\.cpp$|^web/http_guarded_server\\.h$|^tests/web/")
-set(only_nlohmann  "^engine/scene/.*\\.cpp$|^app/api.*\\.(cpp|h)$|^web/problem\\.cpp$|^tests/(scene|app|web)/")
+set(only_httplib   "^web/http_codec\\.cpp$")
+set(only_nlohmann  "^engine/scene/.*\\.cpp$|^app/api.*\\.(cpp|h)$|^tests/(scene|app|web)/")
 set(only_assimp    "^engine/mesh/[a-z_]+\\.cpp$|^app/[a-z_]+\\.cpp$")
 set(only_CGAL      "^engine/mesh/delaunay\\.cpp$")
 set(only_GL        "^render/gl_[a-z_]+\\.(cpp|h)$|^render/raster[a-z_]*\\.cpp$")

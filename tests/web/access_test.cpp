@@ -6,8 +6,8 @@
 #include <thread>
 #include <vector>
 
-#include "raw_client.h"
-#include "running_server.h"
+#include "tests/web/raw_client.h"
+#include "tests/web/running_server.h"
 #include "web/access_gate.h"
 
 using namespace rend;

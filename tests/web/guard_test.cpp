@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "head_properties.h"
+#include "tests/web/head_properties.h"
 #include "web/http_guard.h"
 
 using namespace rend;

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "raw_client.h"
-#include "running_server.h"
+#include "tests/web/raw_client.h"
+#include "tests/web/running_server.h"
 
 using namespace rend;
 using namespace rend::test;

@@ -1,5 +1,5 @@
 // A client that sends exactly the bytes it is told to, and reads what comes back.
-#include "raw_client.h"
+#include "tests/web/raw_client.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

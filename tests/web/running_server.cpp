@@ -1,10 +1,10 @@
 // A server on a free loopback port with a few small routes, run by a thread of its own.
-#include "running_server.h"
+#include "tests/web/running_server.h"
 
 #include <stdexcept>
 
 #include "engine/core/error.h"
-#include "raw_client.h"
+#include "tests/web/raw_client.h"
 
 namespace rend::test {
 

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "engine/core/error.h"
-#include "raw_client.h"
-#include "running_server.h"
+#include "tests/web/raw_client.h"
+#include "tests/web/running_server.h"
 #include "web/assets.h"
 
 using namespace rend;

@@ -8,7 +8,6 @@ import { draw, to_png } from "./fake_picture.mjs";
 const PAGE = fileURLToPath(new URL("../../web/page/", import.meta.url));
 const TYPES = { ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml" };
 const CSP = "default-src 'self'; img-src 'self' blob: data:";
-const MOST_WIDTH = 420;
 
 const SCENES = [
   ["tear", "Notched bar", "pulled apart, Rankine", 20480, {}],
@@ -35,10 +34,10 @@ const parameters = () => [
 
 /// One invented run: `frames` frames at 24 per second, one recorded every `frame_ms` while playing.
 export class MockRun {
-  constructor({ frames = 120, frame_ms = 70 } = {}) {
+  constructor({ frames = 120, frame_ms = 70, most_width = 240 } = {}) {
     Object.assign(this, {
-      frames, frame_ms, revision: 1, frame: 0, status: "paused", scene: "tear", reason: null, progress: null,
-      uploads: [], patches: [], actions: [], frame_requests: [], in_flight: 0, most_in_flight: 0, patch_ms: 0,
+      frames, frame_ms, most_width, revision: 1, frame: 0, status: "paused", scene: "tear", reason: null, progress: null,
+      uploads: [], patches: [], actions: [], frame_requests: [], patch_ms: 0,
       patches_in_flight: 0, most_patches_in_flight: 0, down: false,
     });
     this.parameters = parameters();
@@ -151,7 +150,7 @@ const body_of = async (request) => {
 const numbers = (text) => text.split(",").map(Number);
 
 function picture(run, query, frame, scene = run.scene) {
-  const width = Math.max(16, Math.min(MOST_WIDTH, Number(query.get("w") ?? 320)));
+  const width = Math.max(16, Math.min(run.most_width, Number(query.get("w") ?? 320)));
   const height = Math.max(9, Math.round(width * Number(query.get("h") ?? 200) / Number(query.get("w") ?? 320)));
   const view = {
     eye: numbers(query.get("eye") ?? "-1.15,0.95,1.75"), target: numbers(query.get("target") ?? "0,0.27,0"),
@@ -164,10 +163,8 @@ function picture(run, query, frame, scene = run.scene) {
 async function send_frame(run, query, response) {
   const wanted = query.get("frame") ?? "live";
   run.frame_requests.push(Object.fromEntries(query));
-  run.most_in_flight = Math.max(run.most_in_flight, ++run.in_flight);
   const token = () => `${run.revision}-${wanted === "live" ? run.frame : wanted}`;
   if (query.has("after") && query.get("after") === token()) await run.change_within(Number(query.get("wait") ?? 1000));
-  run.in_flight--;
   if (run.status === "preparing" || query.get("after") === token()) return response.writeHead(204).end();
   const frame = wanted === "live" ? run.frame : Math.min(Number(wanted), run.frame);
   const bytes = picture(run, query, frame);
@@ -272,6 +269,6 @@ export async function start_mock(options = {}) {
 }
 
 if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href) {
-  const { url } = await start_mock({ port: Number(process.env.PORT ?? 8081) });
+  const { url } = await start_mock({ port: Number(process.env.PORT ?? 8081), most_width: 480 });
   console.log(url);
 }

@@ -3,8 +3,8 @@
 const RADIANS_PER_PIXEL = .006;
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-/// Calls `moved` after every change of the camera.
-export function watch_gestures(canvas, camera, moved) {
+/// Calls `moved()` after every change of the camera, `held(true | false)` when the first pointer presses, the last leaves.
+export function watch_gestures(canvas, camera, { moved, held }) {
   const pointers = new Map();
   let pinch = null;
 
@@ -23,6 +23,7 @@ export function watch_gestures(canvas, camera, moved) {
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY, moves });
     pinch = pointers.size > 1 ? center() : null;
     canvas.classList.add("turning");
+    held(true);
   });
   canvas.addEventListener("pointermove", (event) => {
     const pointer = pointers.get(event.pointerId);
@@ -45,7 +46,9 @@ export function watch_gestures(canvas, camera, moved) {
   const release = (event) => {
     pointers.delete(event.pointerId);
     pinch = pointers.size > 1 ? center() : null;
-    if (!pointers.size) canvas.classList.remove("turning");
+    if (pointers.size) return;
+    canvas.classList.remove("turning");
+    held(false);
   };
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", release);

@@ -39,6 +39,11 @@ export class Look {
     this.#draw();
   }
 
+  /// The scene's own view, when another scene is loaded.
+  adopt({ color = this.color, mode = this.mode } = {}) {
+    if (color !== this.color || mode !== this.mode) this.#apply({ color, mode });
+  }
+
   #choose(values, remember) {
     const before = this.values();
     this.#apply(values);

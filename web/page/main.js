@@ -43,6 +43,7 @@ const parameters = new ParameterPanel(session, toast);
 const look = new Look(() => picture.refresh(), (revert) => parameters.remember(revert));
 
 const picture = new Picture(canvas, session, playhead, camera, () => look.values());
+session.on("scene", ({ view }) => look.adopt(view));
 const series = new Series(session);
 const gallery = new Gallery(session, playhead, toast);
 new Timeline(session, playhead, picture);
@@ -51,9 +52,12 @@ new Notices(session, playhead, parameters);
 show_stats(session, picture);
 
 picture.on("shown", ({ range }) => look.set_range(range));
-watch_gestures(canvas, camera, () => {
-  find("#hint").classList.add("gone");
-  picture.moved();
+watch_gestures(canvas, camera, {
+  moved: () => {
+    find("#hint").classList.add("gone");
+    picture.moved();
+  },
+  held: (held) => picture.hold(held),
 });
 find("#fit-button").addEventListener("click", () => {
   camera.fit(picture.aspect);

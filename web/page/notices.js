@@ -55,13 +55,23 @@ export class Notices {
     if (key === this.#shown) return;
     this.#shown = key;
     if (!stopped) return banner.replaceChildren();
-    const frame = state.reason?.frame ?? state.frame;
+    if (!state.reason) return banner.replaceChildren(...this.#refusal(state, key));
+    const frame = state.reason.frame;
     const good = Math.min(state.frame, frame);
     banner.replaceChildren(icon("warn"),
       make("div", {}, make("b", {}, `The run stopped at frame ${frame}.`),
-        make("p", {}, state.reason?.text ?? state.message ?? "", ` Frame ${good} is the last good one and is kept.`)),
+        make("p", {}, state.reason.text, ` Frame ${good} is the last good one and is kept.`)),
       make("div", { class: "row" }, ...this.#ways_out(good),
-        this.#button("button", null, () => { this.#dismissed = key; banner.hidden = true; }, "Dismiss")));
+        this.#dismiss(key)));
+  }
+
+  #refusal({ message }, key) {
+    return [icon("warn"), make("div", {}, make("b", {}, "The scene did not load."), make("p", {}, message ?? "")),
+      make("div", { class: "row" }, this.#dismiss(key))];
+  }
+
+  #dismiss(key) {
+    return this.#button("button", null, () => { this.#dismissed = key; find("#stopped").hidden = true; }, "Dismiss");
   }
 
   #ways_out(good) {

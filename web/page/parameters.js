@@ -1,5 +1,5 @@
 // The parameter panel: whatever the server reports, in groups, with undo.
-import { find, make } from "./element.js";
+import { find, make, set_text } from "./element.js";
 import { get_json } from "./api.js";
 import { Field } from "./field.js";
 import { PatchQueue } from "./patch_queue.js";
@@ -80,11 +80,13 @@ export class ParameterPanel {
     const panel = find("#panel-material"), view = find("#group-view");
     for (const old of panel.querySelectorAll(".group:not(#group-material), .param")) old.remove();
     view.replaceChildren();
-    const names = [...new Set(["Material", ...parameters.map(({ group }) => group)])];
+    const names = [...new Set(parameters.map(({ group }) => group))];
+    const first = names.find((name) => name.startsWith("Material")) ?? "Material";
+    set_text(find("#material-title"), first);
     for (const name of names) {
       const members = parameters.filter(({ group }) => group === name)
         .sort((a, b) => Number(b.hero ?? false) - Number(a.hero ?? false));
-      const place = name === "Material" ? find("#group-material") : name === "View" ? view : this.#group(name, members);
+      const place = name === first ? find("#group-material") : name === "View" ? view : this.#group(name, members);
       if (!place.isConnected) panel.append(place);
       for (const parameter of members) place.append(this.#field(parameter, members).node);
     }

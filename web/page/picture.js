@@ -5,7 +5,7 @@ import { get_picture, pause_for } from "./api.js";
 const POLL_MS = 2000;
 const STILL_AFTER_MS = 150;
 const MOST_LIVE_PIXELS = 1.3e6;
-const MOST_STILL_PIXELS = 4e6;
+const MOST_STILL_PIXELS = 2.1e6;
 
 /// Events: "shown" {frame, time, range}.
 export class Picture extends Emitter {
@@ -21,6 +21,7 @@ export class Picture extends Emitter {
   #token = "";
   #stale = false;
   #moving = false;
+  #held = false;
   #still_timer = 0;
   #arrivals = [];
 
@@ -56,10 +57,17 @@ export class Picture extends Emitter {
     this.#moving = true;
     clearTimeout(this.#still_timer);
     this.#still_timer = setTimeout(() => {
+      if (this.#held) return;
       this.#moving = false;
       this.refresh();
     }, STILL_AFTER_MS);
     this.refresh();
+  }
+
+  /// While a pointer holds the picture, pauses of the hand bring no still.
+  hold(held) {
+    this.#held = held;
+    if (!held && this.#moving) this.moved();
   }
 
   /// The view as query values; `size` overrides the picture's own pixel size.

@@ -24,14 +24,15 @@ export class Playhead extends Emitter {
   }
 
   get newest() { return this.#session.state?.frame ?? 0; }
+  get oldest() { return Math.min(this.#session.state?.first_frame ?? 0, this.newest); }
   get total() { return Math.max(this.#session.state?.frames ?? 0, this.newest, 1); }
-  get frame() { return this.following ? this.newest : Math.min(this.#frame, this.newest); }
+  get frame() { return this.following ? this.newest : Math.max(this.oldest, Math.min(this.#frame, this.newest)); }
   get status() { return this.#session.state?.status ?? "preparing"; }
   get playing() { return this.replaying || (this.following && this.status === "playing"); }
   get time() {
     const state = this.#session.state;
     if (!state) return 0;
-    return this.following ? state.time : this.#frame / (state.frame_rate || 24);
+    return this.following ? state.time ?? 0 : this.frame / (state.frame_rate || 24);
   }
   /// "live" or a number, as the frame request wants it.
   get wanted() { return this.following ? "live" : this.frame; }
@@ -41,13 +42,14 @@ export class Playhead extends Emitter {
   play() {
     this.play_when_ready = false;
     if (!this.following && this.frame < this.newest) return this.#replay();
-    if (this.status === "finished" || this.newest >= this.total) {
-      this.#frame = 0;
+    if (["finished", "stopped"].includes(this.status) || this.newest >= this.total) {
+      this.#frame = this.oldest;
       this.following = false;
       return this.#replay();
     }
     this.following = true;
     if (this.status === "paused") this.#act("play", {}, { status: "playing" });
+    else if (this.status === "preparing") this.play_when_ready = true;
     this.emit("change");
   }
 
@@ -63,7 +65,7 @@ export class Playhead extends Emitter {
   seek(n) {
     const to_newest = n >= this.newest;
     this.replaying = false;
-    this.#frame = Math.max(0, Math.min(Math.round(n), this.newest));
+    this.#frame = Math.max(this.oldest, Math.min(Math.round(n), this.newest));
     this.following = to_newest;
     if (this.status === "playing") this.#act("pause", {}, { status: "paused" });
     this.emit("change");
@@ -126,7 +128,7 @@ export class Playhead extends Emitter {
 
   #end_of_record() {
     if (this.loop && this.status !== "playing") {
-      this.#frame = 0;
+      this.#frame = this.oldest;
       return;
     }
     this.replaying = false;

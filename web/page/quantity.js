@@ -1,12 +1,13 @@
 // Figures on the page: units by magnitude, three digits, typed text, and where a value lies on a slider.
 
 const PRESSURES = [[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"], [1, "Pa"]];
+const WRITTEN = { x: "×", "m/s2": "m/s²", "J/m2": "J/m²", "kg/m3": "kg/m³", "J/m3": "J/m³" };
 const PREFIXES = { G: 1e9, M: 1e6, k: 1e3 };
 export const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
 
 /// {factor, text}: how a parameter's SI unit is shown; pressures take the prefix of their default.
 export function shown_unit({ unit = "", default: standard, max }) {
-  if (unit !== "Pa") return { factor: 1, text: unit };
+  if (unit !== "Pa") return { factor: 1, text: WRITTEN[unit] ?? unit };
   const size = Math.abs(Number(standard)) || Math.abs(max) || 1;
   const [factor, text] = PRESSURES.find(([least]) => size >= least) ?? [1, "Pa"];
   return { factor, text };
@@ -15,10 +16,10 @@ export function shown_unit({ unit = "", default: standard, max }) {
 /// Up to `digits` significant digits and never an exponent.
 export function format_number(value, digits = 3) {
   if (!Number.isFinite(value)) return "–";
-  const rounded = Number(value.toPrecision(digits));
-  const decimals = clamp(digits - 1 - Math.floor(Math.log10(Math.abs(rounded) || 1)), 0, 12);
-  return Number(rounded.toFixed(decimals)) === 0 ? "0" : String(Number(rounded.toFixed(decimals))).includes("e")
-    ? rounded.toFixed(decimals) : String(Number(rounded.toFixed(decimals)));
+  const rounded = Number(value.toPrecision(digits)), plain = String(rounded);
+  if (!plain.includes("e")) return plain;
+  const decimals = clamp(digits - 1 - Math.floor(Math.log10(Math.abs(rounded))), 0, 20);
+  return rounded.toFixed(decimals);
 }
 
 /// With thousands set apart, for counts.
@@ -26,12 +27,12 @@ export const format_count = (value) => Math.round(value).toLocaleString("en");
 
 /// Typed text to SI, NaN when it is no number: "20" and "2,5" are in the shown unit, "20k" in the base unit.
 export function parse_typed(text, { factor, text: unit }) {
-  const match = text.trim().replace(",", ".").match(/^([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*([GMk]?)(.*)$/i);
+  const match = text.trim().replace(",", ".").match(/^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([GMk]?)(.*)$/);
   if (!match) return NaN;
   const [, digits, prefix, rest] = match;
   const base = unit.replace(/^[GMk](?=Pa$)/, "");
   if (rest && rest !== base && rest !== unit) return NaN;
-  if (prefix) return Number(digits) * (PREFIXES[prefix] ?? PREFIXES[prefix.toUpperCase()]);
+  if (prefix) return Number(digits) * PREFIXES[prefix];
   return Number(digits) * (rest && rest === base && base !== unit ? 1 : factor);
 }
 

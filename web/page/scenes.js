@@ -4,6 +4,13 @@ import { get_json, get_picture, pause_for, send_json } from "./api.js";
 
 const THUMB_RETRY_MS = [1500, 3000, 6000, 12000, 24000];
 
+/// A file-like name as a heading; titles of their own stay as they are.
+const heading_of = ({ name, scene = name, title }) => {
+  if (title && title !== scene) return title;
+  const words = scene.replaceAll(/[-_]+/g, " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+};
+
 export class Gallery {
   #session;
   #playhead;
@@ -17,13 +24,21 @@ export class Gallery {
     this.#playhead = playhead;
     this.#toast = toast;
     session.on("scene", (state) => {
-      set_text(find("#scene-title"), state.title || state.scene);
+      const heading = heading_of(state);
+      set_text(find("#scene-title"), heading);
       set_text(find("#scene-note"), state.description ?? "");
-      document.title = `rend: ${state.title || state.scene}`;
+      document.title = `rend: ${heading}`;
       find("#picture").setAttribute("aria-label",
-        `Picture of ${state.title || state.scene}. Arrow keys turn it, plus and minus zoom.`);
+        `Picture of ${heading}. Arrow keys turn it, plus and minus zoom.`);
     });
-    session.on("state", (state) => this.#mark(state));
+    let seen = "";
+    session.on("state", (state) => {
+      this.#mark(state);
+      // Another status is a good moment for a newer thumbnail of the current scene.
+      const now = `${state.scene} ${state.status}`;
+      if (now !== seen && seen && state.status !== "preparing") this.#fetch_thumb(state.scene, this.#round);
+      seen = now;
+    });
     session.on("found", () => this.load());
     this.#theme.addEventListener("change", () => this.load());
   }
@@ -61,9 +76,9 @@ export class Gallery {
     const known = this.#pictures.get(name);
     if (known) thumb.append(make("img", { src: known, alt: "" }));
     return make("li", {}, make("button", {
-      class: "scene", "data-name": name, "aria-current": "false", title: description ?? title ?? name,
+      class: "scene", "data-name": name, "aria-current": "false", title: description || heading_of({ name, title }),
       on_click: () => this.open(name),
-    }, thumb, make("span", { class: "title" }, title ?? name)));
+    }, thumb, make("span", { class: "title" }, heading_of({ name, title }))));
   }
 
   #select(name) {

@@ -40,12 +40,13 @@ export class Timeline {
   #draw() {
     const state = this.#session.state;
     if (!state) return;
-    const { frame, newest, total, time, playing, following, replaying, scrubbing, status, loop } = this.#playhead;
+    const { frame, oldest, newest, total, time, playing, following, replaying, scrubbing, status, loop } = this.#playhead;
     const scrub = find("#scrub");
     scrub.max = total;
     if (!scrubbing) scrub.value = frame;
     scrub.setAttribute("aria-valuetext", `Frame ${frame} of ${total}, ${time.toFixed(2)} seconds, ${newest} recorded`);
-    find("#recorded").style.setProperty("--share", share_at_thumb(newest / total));
+    find("#recorded").style.setProperty("--from", oldest ? share_at_thumb(oldest / total) : "0px");
+    find("#recorded").style.setProperty("--to", share_at_thumb(newest / total));
     set_text(find("#read-frame"), String(frame));
     set_text(find("#read-frames"), ` / ${total}`);
     set_text(find("#read-time"), time.toFixed(3));
@@ -54,7 +55,7 @@ export class Timeline {
     set_icon(play, playing ? "pause" : "play");
     play.setAttribute("aria-label", playing ? "Pause" : "Play");
     find("#loop-button").setAttribute("aria-pressed", String(loop));
-    find("#back-button").disabled = frame <= 0;
+    find("#back-button").disabled = frame <= oldest;
     find("#step-button").disabled = following && !["paused", "playing"].includes(status);
     find("#newest-button").hidden = following;
     const live = following && status === "playing";

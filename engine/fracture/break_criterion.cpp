@@ -1,0 +1,143 @@
+// One cheap sweep over all edges finds the few particles on which the dear test is worth while.
+#include "engine/fracture/break_criterion.h"
+
+#include "engine/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rend {
+
+namespace {
+
+constexpr Index chunk = 4096;
+
+// tau_c0 / E, the elastic strain in uniaxial stress when yielding starts; 0 for a material that
+// never yields.
+Real yield_strain(const MaterialDesc& material) {
+  const YieldSurface& surface = material.yield_surface;
+  const auto tau_c = find_parameter(surface.type, "tau_c");
+  if (!tau_c || !(material.youngs_modulus > 0)) return 0;
+  // Von Mises measures the Frobenius norm of the deviator, sqrt(2/3) of the uniaxial stress.
+  const Real uniaxial = yield_surface_name(surface.type) == "von_mises" ? std::sqrt(1.5) : 1;
+  return uniaxial * surface.value[*tau_c] / material.youngs_modulus;
+}
+
+struct alignas(16) Point {
+  float x, y, z, suspect;
+};
+
+}  // namespace
+
+BreakCriterion::BreakCriterion(const SceneDesc& scene, const Model& model, const TetTables& tables)
+    : tables_(&tables), material_(model.material), strength_(model.strength) {
+  material_.resize(model.X.size(), 0);
+  const std::size_t count =
+      material_.empty() ? 1 : 1u + *std::max_element(material_.begin(), material_.end());
+  yield_strain_.assign(std::max(count, scene.materials.size()), 0);
+  for (std::size_t m = 0; m < scene.materials.size(); ++m)
+    yield_strain_[m] = yield_strain(scene.materials[m]);
+  set(scene.fracture);
+}
+
+void BreakCriterion::set(const FractureDesc& settings) {
+  settings_ = settings;
+  stretch_.resize(yield_strain_.size());
+  for (std::size_t m = 0; m < stretch_.size(); ++m)
+    stretch_[m] = settings.stretch.value_or(std::max(1.5, 1.3 * std::exp(yield_strain_[m])));
+}
+
+BreakCriterion::Suspects BreakCriterion::scan_edges(const Snapshot& snapshot,
+                                                    const CrackMesh& crack) const {
+  const TetTables& t = *tables_;
+  const Index n = t.particle_count();
+  const bool by_gap = settings_.break_test == BreakTest::gap;
+  std::vector<Point> points(static_cast<std::size_t>(n));
+  const Vec3 origin = n > 0 ? snapshot.x[n / 2] : Vec3::Zero();
+  parallel_for(n, chunk, [&](Index p) {
+    const Vec3f x = (snapshot.x[p] - origin).cast<float>();
+    const bool damaged =
+        (p < static_cast<Index>(snapshot.damage.size()) && snapshot.damage[p] > 0) ||
+        (p < static_cast<Index>(snapshot.yielded.size()) && snapshot.yielded[p]);
+    points[p] = {x.x(), x.y(), x.z(), damaged ? 1.f : 0.f};
+  });
+  std::vector<float> limit2(stretch_.size());
+  for (std::size_t m = 0; m < limit2.size(); ++m) {
+    const Real limit = (by_gap ? 2 : 1) * stretch_[m];
+    limit2[m] = static_cast<float>(limit * limit);
+  }
+  const float* length2 = crack.edge_length2().data();
+  std::vector<Suspects> parts(static_cast<std::size_t>((n + chunk - 1) / chunk));
+  parallel_chunks(n, chunk, [&](Index begin, Index end) {
+    Suspects& part = parts[begin / chunk];
+    for (Index a = begin; a < end; ++a) {
+      const Point pa = points[a];
+      const float limit = limit2[material_[a]];
+      for (Index e = t.edge_row[a]; e < t.edge_row[a + 1]; ++e) {
+        const Point& pb = points[t.edge_to[e]];
+        const float dx = pb.x - pa.x, dy = pb.y - pa.y, dz = pb.z - pa.z;
+        const float l2 = dx * dx + dy * dy + dz * dz;
+        // A broken edge has length +inf: both comparisons are false.
+        if (std::fabs(l2 - length2[e]) > 0.2f * length2[e]) {
+          if (l2 > limit * length2[e])
+            part.broken.push_back(e);
+          else if (by_gap && pa.suspect + pb.suspect > 0)
+            part.strained.push_back({a, t.edge_to[e]});
+        }
+      }
+    }
+  });
+  Suspects all;
+  for (const Suspects& part : parts) {
+    all.broken.insert(all.broken.end(), part.broken.begin(), part.broken.end());
+    all.strained.insert(all.strained.end(), part.strained.begin(), part.strained.end());
+  }
+  return all;
+}
+
+void BreakCriterion::find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
+                               const std::vector<Edge>& strained, RotationField& rotations,
+                               std::vector<Index>& edges) const {
+  const TetTables& t = *tables_;
+  std::vector<Index> looked_at;
+  std::vector<std::uint8_t> marked(t.X.size(), 0);
+  for (const Edge& e : strained)
+    for (Index p : e)
+      if (!marked[p]) marked[p] = 1, looked_at.push_back(p);
+  std::sort(looked_at.begin(), looked_at.end());
+  rotations.fit_robust(looked_at, snapshot.x, crack);
+  const auto damage = [&](Index p) { return snapshot.damage.empty() ? 0.f : snapshot.damage[p]; };
+  const auto suspect = [&](Index p) {
+    return damage(p) > 0 || (!snapshot.yielded.empty() && snapshot.yielded[p]);
+  };
+  const auto elastic_strain = [&](Index p) {
+    const Real strength = strength_.empty() ? 1 : strength_[p];
+    return std::exp(std::max(0.f, 1 - damage(p)) * strength * yield_strain_[material_[p]]) - 1;
+  };
+  for (Index a : looked_at) {
+    const Mat3 R_a = rotations.of(a).toRotationMatrix();
+    for (Index e = t.edge_row[a]; e < t.edge_row[a + 1]; ++e) {
+      const Index b = t.edge_to[e];
+      // A neighbour without a strained edge moves along with a.
+      if (!marked[b] || crack.broken(e) || !(suspect(a) || suspect(b))) continue;
+      const Vec3 X_ab = t.X[b] - t.X[a];
+      const Mat3 R = 0.5 * (R_a + rotations.of(b).toRotationMatrix());
+      const Real gap = (snapshot.x[b] - snapshot.x[a] - R * X_ab).norm();
+      const Real allowed = std::min(elastic_strain(a), elastic_strain(b)) * X_ab.norm();
+      if (gap > settings_.gap * t.mean_edge[t.body[a]] + allowed) edges.push_back(e);
+    }
+  }
+}
+
+std::vector<Index> BreakCriterion::find(const Snapshot& snapshot, const CrackMesh& crack,
+                                        RotationField& rotations) const {
+  Suspects suspects = scan_edges(snapshot, crack);
+  if (!suspects.strained.empty())
+    find_gaps(snapshot, crack, suspects.strained, rotations, suspects.broken);
+  std::sort(suspects.broken.begin(), suspects.broken.end());
+  suspects.broken.erase(std::unique(suspects.broken.begin(), suspects.broken.end()),
+                        suspects.broken.end());
+  return std::move(suspects.broken);
+}
+
+}  // namespace rend

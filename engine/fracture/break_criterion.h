@@ -1,0 +1,50 @@
+// Which edges break in a frame: by their stretch, or by how far they open against the rigid motion
+// of their ends.
+#pragma once
+
+#include "engine/fracture/crack_mesh.h"
+#include "engine/fracture/rotation_field.h"
+#include "engine/mpm/snapshot.h"
+#include "engine/scene/scene_desc.h"
+
+#include <vector>
+
+namespace rend {
+
+/// Stretch: |x_ab| > s |X_ab|, with "auto" s = max(1.5, 1.3 exp(tau_c0 / E)) of the tougher end.
+/// Gap: |x_ab - (R_a + R_b)/2 X_ab| > gap h + (exp((1 - damage) tau_c0 / E) - 1) |X_ab|, h the mean
+/// edge length of the body, R fitted robustly over unbroken neighbours; only where an end is
+/// damaged or has yielded, so that elastic strain never cuts; else, far out, |x_ab| > 2 s |X_ab|.
+class BreakCriterion {
+ public:
+  BreakCriterion(const SceneDesc& scene, const Model& model, const TetTables& tables);
+
+  void set(const FractureDesc& settings);
+
+  /// Ids of edges to break now, ascending. `rotations` lends and keeps the rotations of the
+  /// particles it looks at.
+  std::vector<Index> find(const Snapshot& snapshot, const CrackMesh& crack,
+                          RotationField& rotations) const;
+
+  /// Stretch that breaks an edge in material `m`.
+  Real stretch_of(std::size_t m) const { return stretch_[m]; }
+
+ private:
+  struct Suspects {
+    std::vector<Index> broken;   ///< edges far beyond any stretch
+    std::vector<Edge> strained;  ///< ends of edges worth a closer look
+  };
+  Suspects scan_edges(const Snapshot& snapshot, const CrackMesh& crack) const;
+  void find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
+                 const std::vector<Edge>& strained, RotationField& rotations,
+                 std::vector<Index>& edges) const;
+
+  const TetTables* tables_;  // not owned
+  FractureDesc settings_;
+  std::vector<std::uint16_t> material_;  ///< #P
+  std::vector<float> strength_;          ///< #P, or empty
+  std::vector<Real> stretch_;            ///< per material [-]
+  std::vector<Real> yield_strain_;       ///< per material tau_c0 / E in uniaxial stress [-]
+};
+
+}  // namespace rend

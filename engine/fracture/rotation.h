@@ -1,0 +1,34 @@
+// Best-fitting rotations of particles over their neighbours: what "locally rigid" means.
+#pragma once
+
+#include "engine/core/types.h"
+
+#include <Eigen/Geometry>
+
+namespace rend {
+
+/// The rotation R that maximises tr(R^T A), by Newton steps from `start`: with S = R^T A,
+/// (tr(S) I - sym(S)) w = axial(S), R <- R exp(w). Follows one branch continuously, keeps det R = 1
+/// and falls back to the global optimum (largest eigenvector of Horn's 4x4 matrix) where the start
+/// is no good.
+Eigen::Quaterniond fit_rotation(const Mat3& A, const Eigen::Quaterniond& start);
+
+/// Moments of a neighbourhood, gathered with weights: A = sum w (x_b-x_a)(X_b-X_a)^T and its rest
+/// counterpart.
+struct ShapeMoments {
+  Mat3 A = Mat3::Zero();
+  Mat3 rest = Mat3::Zero();
+  int count = 0;
+
+  void add(const Vec3& x_ab, const Vec3& X_ab, Real weight) {
+    const Vec3 weighted = weight * X_ab;
+    A.noalias() += x_ab * weighted.transpose();
+    rest.noalias() += X_ab * weighted.transpose();
+    ++count;
+  }
+  /// No neighbour: `start`. Neighbours on a line: the turn about the line is that of `start`. Else
+  /// the fit.
+  Eigen::Quaterniond rotation(const Eigen::Quaterniond& start) const;
+};
+
+}  // namespace rend

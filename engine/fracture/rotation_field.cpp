@@ -1,0 +1,73 @@
+// Every particle writes its own slot only, so threads do not change a bit.
+#include "engine/fracture/rotation_field.h"
+
+#include "engine/core/parallel.h"
+
+namespace rend {
+
+namespace {
+
+constexpr Index grain = 512;
+constexpr Real misfit_scale = 0.25;  // of the mean edge length
+
+Eigen::Quaterniond robust_rotation(Index p, std::span<const Vec3> x, const CrackMesh& crack,
+                                   Eigen::Quaterniond q, bool warm) {
+  const TetTables& tables = crack.tables();
+  const Real scale = misfit_scale * tables.mean_edge[tables.body[p]];
+  for (int round = 0; round < 3; ++round) {
+    ShapeMoments moments;
+    for (Index b : crack.linked(p)) {
+      const Vec3 X_ab = tables.X[b] - tables.X[p], x_ab = x[b] - x[p];
+      // Without a rotation to trust, the change of length is all there is to tell a stranger by.
+      const Real misfit =
+          round == 0 && !warm ? x_ab.norm() - X_ab.norm() : (x_ab - q * X_ab).norm();
+      moments.add(x_ab, X_ab, 1 / (X_ab.squaredNorm() * (1 + misfit * misfit / (scale * scale))));
+    }
+    q = moments.rotation(q);
+  }
+  return q;
+}
+
+}  // namespace
+
+void RotationField::set(Index p, const Eigen::Quaterniond& q) {
+  reserve({&p, 1});
+  rotation_[slot_[p]] = q;
+}
+
+void RotationField::reserve(std::span<const Index> particles) {
+  for (Index p : particles)
+    if (slot_[p] < 0) {
+      slot_[p] = static_cast<Index>(rotation_.size());
+      rotation_.push_back(Eigen::Quaterniond::Identity());
+    }
+}
+
+void RotationField::fit(std::span<const Index> particles, std::span<const Vec3> x,
+                        const CrackMesh& crack) {
+  reserve(particles);
+  const std::vector<Vec3>& X = crack.tables().X;
+  parallel_for(static_cast<Index>(particles.size()), grain, [&](Index i) {
+    const Index p = particles[i];
+    ShapeMoments moments;
+    for (Index b : crack.linked(p)) {
+      const Vec3 X_ab = X[b] - X[p];
+      moments.add(x[b] - x[p], X_ab, 1 / X_ab.squaredNorm());
+    }
+    Eigen::Quaterniond& q = rotation_[slot_[p]];
+    q = moments.rotation(q);
+  });
+}
+
+void RotationField::fit_robust(std::span<const Index> particles, std::span<const Vec3> x,
+                               const CrackMesh& crack) {
+  std::vector<std::uint8_t> warm(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i) warm[i] = known(particles[i]);
+  reserve(particles);
+  parallel_for(static_cast<Index>(particles.size()), grain, [&](Index i) {
+    Eigen::Quaterniond& q = rotation_[slot_[particles[i]]];
+    q = robust_rotation(particles[i], x, crack, q, warm[i] != 0);
+  });
+}
+
+}  // namespace rend

@@ -1,0 +1,103 @@
+// One unknown per broken edge: moving along the edge keeps every sub-tet the right way round by
+// construction.
+#include "engine/fracture/smoothing.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace rend {
+
+namespace {
+
+constexpr Real t_min = 0.05, t_max = 0.95;
+
+Real whole_share(const CrackMesh& crack, Index p) {
+  const TetTables& tables = crack.tables();
+  const Real h = tables.mean_edge[tables.body[p]];
+  const auto weight = [&](Index b) {
+    return std::exp(-(tables.X[b] - tables.X[p]).squaredNorm() / (h * h));
+  };
+  Real sum = 1, total = 1;
+  for (Index b : crack.linked(p)) {
+    const Real w = weight(b);
+    sum += w, total += w;
+  }
+  for (Index b : crack.torn(p)) {
+    const Real w = weight(b);
+    sum -= w, total += w;
+  }
+  return std::max(0.02, sum / total);
+}
+
+// The other two nodes of every triangle around each middle, both sides of the crack, side of the
+// lower end first.
+struct Fans {
+  struct Wing {
+    Index b, c;
+  };
+  std::vector<Index> row{0};
+  std::vector<Wing> wings;
+  std::vector<Index> first_side;  ///< wings of the lower end
+};
+
+Fans collect_fans(const CrackMesh& crack, std::span<const Index> records) {
+  Fans fans;
+  const auto skin_vertices = static_cast<Index>(crack.tables().skin_particle.size());
+  const auto node = [&](Index corner) { return crack.copies()[corner - skin_vertices].node; };
+  std::vector<TetEdge> ring;
+  for (Index r : records) {
+    const BrokenEdge& broken = crack.broken_edges()[r];
+    crack.tables().ring(broken.edge, ring);
+    for (int side = 0; side < 2; ++side) {
+      const Index self = skin_vertices + broken.copy + side;
+      for (const TetEdge& at : ring) {
+        const auto& cracked = crack.cracked()[crack.cracked_of_tet(at.tet)];
+        for (const CutTriangle& t : crack.triangles_of(cracked.triangles))
+          for (int k = 0; k < 3; ++k)
+            if (t.corner[k] == self)
+              fans.wings.push_back({node(t.corner[(k + 1) % 3]), node(t.corner[(k + 2) % 3])});
+      }
+      if (side == 0) fans.first_side.push_back(static_cast<Index>(fans.wings.size()));
+    }
+    fans.row.push_back(static_cast<Index>(fans.wings.size()));
+  }
+  return fans;
+}
+
+}  // namespace
+
+void smooth_middles(CrackMesh& crack, std::span<const Index> records, int iterations) {
+  if (iterations <= 0) return;
+  const TetTables& tables = crack.tables();
+  for (Index r : records) {
+    const BrokenEdge& b = crack.broken_edges()[r];
+    const Real f = whole_share(crack, b.end[0]), g = whole_share(crack, b.end[1]);
+    crack.place_middle(r, std::clamp(f / (f + g), t_min, t_max));
+  }
+  if (iterations <= 2) return;
+  const Fans fans = collect_fans(crack, records);
+  const std::vector<Vec3>& X = crack.nodes();
+  for (int pass = 2; pass < iterations; ++pass)
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const BrokenEdge& b = crack.broken_edges()[records[i]];
+      const Vec3& from = tables.X[b.end[0]];
+      const Vec3 edge = tables.X[b.end[1]] - from;
+      const Vec3 self = X[crack.copies()[b.copy].node];
+      Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
+      for (Index w = fans.row[i]; w < fans.row[i + 1]; ++w) {
+        const Vec3 &p = X[fans.wings[w].b], &q = X[fans.wings[w].c];
+        const Vec3 cross = (p - self).cross(q - self);
+        normal += w < fans.first_side[i] ? cross : Vec3(-cross);
+        mean += p + q;
+      }
+      mean /= 2 * (fans.row[i + 1] - fans.row[i]);
+      const Real slope = normal.dot(edge);
+      const bool steep = std::abs(slope) > 0.15 * normal.norm() * edge.norm();
+      const Real target = steep ? normal.dot(mean - from) / slope
+                                : b.t + 0.5 * (mean - self).dot(edge) / edge.squaredNorm();
+      crack.place_middle(records[i], std::clamp(target, t_min, t_max));
+    }
+}
+
+}  // namespace rend

@@ -1,0 +1,23 @@
+// Positions, fields and normals of one frame, laid over the cut topology.
+#pragma once
+
+#include "engine/fracture/crack_mesh.h"
+#include "engine/fracture/pieces.h"
+#include "engine/fracture/rotation_field.h"
+#include "engine/fracture/surface_mesh.h"
+#include "engine/mpm/snapshot.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace rend {
+
+/// A copy lies at the mean of x_a + R_a (X - X_a) over its members a, a crack tip at the barycentre
+/// of its face, a skin vertex at its particle; damage, stress and speed are means over members.
+/// Crack tips and cuts open continuously from zero. Fills `surface`, reusing its memory. O(#V +
+/// #T).
+void build_surface(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
+                   const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
+                   SurfaceMesh& surface);
+
+}  // namespace rend

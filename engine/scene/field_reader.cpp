@@ -244,8 +244,10 @@ void FieldReader::points(const Field& field, std::vector<Eigen::Vector2d>& value
 
 void FieldReader::reference(const Field& field, std::size_t& value,
                             std::span<const std::string> names) {
-  if (const JsonValue* json = take(field))
-    value = read_name(*json, place(field.key), field.key, {names.begin(), names.end()});
+  const JsonValue* json = take(field);
+  if (!json || names.empty())
+    return;  // without names their own list is missing, which is told later
+  value = read_name(*json, place(field.key), field.key, {names.begin(), names.end()});
 }
 
 void FieldReader::mesh_file(const Field& field, std::string& file, std::string& path) {

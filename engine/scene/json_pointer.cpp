@@ -40,20 +40,24 @@ std::optional<std::size_t> list_index(const std::string& key) {
   return index;
 }
 
-JsonValue parse_override(const std::string& text, const std::string& where) {
+std::optional<JsonValue> try_parse(const std::string& text) {
   try {
-    return parse_json(text, where);
+    return parse_json(text, {});
   } catch (const Error&) {
-    JsonValue plain = JsonValue::of(std::string_view(text));
-    // Through the parser once more, which refuses NUL and broken UTF-8.
-    std::string quoted = "\"";
-    for (const char c : text) {
-      if (c == '"' || c == '\\') quoted += '\\';
-      quoted += c;
-    }
-    parse_json(quoted + "\"", where);
-    return plain;
+    return std::nullopt;
   }
+}
+
+JsonValue parse_override(const std::string& text, const std::string& where) {
+  if (const auto json = try_parse(text)) return *json;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  // Through the parser once more, which refuses control characters and broken UTF-8.
+  if (const auto plain = try_parse(quoted + "\"")) return *plain;
+  throw Error(where, "neither JSON nor plain UTF-8 text");
 }
 
 }  // namespace

@@ -95,23 +95,22 @@ bool segments_meet(const Point& a, const Point& b, const Point& c, const Point& 
 void check_outline(std::vector<Point>& outline, const std::string& where) {
   const std::size_t n = outline.size();
   for (std::size_t i = 0; i < n; ++i) {
-    if (outline[i] == outline[(i + 1) % n])
+    const Point &corner = outline[i], &next = outline[(i + 1) % n],
+                &last = outline[(i + n - 1) % n];
+    if (corner == next)
       throw Error(where, fmt::format("corners {} and {} are the same point", i, (i + 1) % n));
-    const Point &before = outline[(i + n - 1) % n], &corner = outline[i],
-                &after = outline[(i + 1) % n];
-    if (cross(before - corner, after - corner) == 0 && (before - corner).dot(after - corner) > 0)
+    if (cross(last - corner, next - corner) == 0 && (last - corner).dot(next - corner) > 0)
       throw Error(where, fmt::format("turns back on itself at corner {}", i));
+  }
+  for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n; ++j) {
-      if (i == 0 && j + 1 == n) continue;
+      if (i == 0 && j + 1 == n) continue;  // neighbours through the closing edge
       if (segments_meet(outline[i], outline[i + 1], outline[j], outline[(j + 1) % n]))
         throw Error(
             where,
             fmt::format("is no simple polygon: the edges from corners {} and {} meet", i, j));
     }
-  }
-  const Real area = signed_area(outline);
-  if (area == 0) throw Error(where, "encloses no area");
-  if (area < 0) std::reverse(outline.begin(), outline.end());
+  if (signed_area(outline) < 0) std::reverse(outline.begin(), outline.end());
 }
 
 void check_body(BodyDesc& body, const std::string& where) {

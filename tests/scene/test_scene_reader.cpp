@@ -2,15 +2,10 @@
 // of the repository.
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "engine/core/error.h"
-#include "engine/core/random.h"
 #include "engine/scene/scene_reader.h"
 
 namespace rend {
@@ -30,14 +25,6 @@ const MeshFolders kModels{fs::path(REND_SOURCE_DIR) / "build"};
 
 SceneDesc parse(const std::string& text, const Overrides& overrides = {}) {
   return parse_scene(text, "test.json", ".", {}, overrides);
-}
-
-std::string file_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  REQUIRE(stream.good());
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
 }
 
 Real yield_value(const MaterialDesc& material, const char* name) {
@@ -180,13 +167,6 @@ TEST_CASE("every scene of the repository parses and survives a round trip") {
     CHECK(write_scene(again) == written);
   }
   CHECK(count >= 3);
-}
-
-TEST_CASE("scenes/schema.json is what the tables say") {
-  const fs::path file = fs::path(REND_SOURCE_DIR) / "scenes" / "schema.json";
-  if (std::getenv("REND_UPDATE")) std::ofstream(file, std::ios::binary) << scene_schema();
-  CHECK_MESSAGE(file_text(file) == scene_schema(),
-                "run REND_UPDATE=1 test_scene to write it again");
 }
 
 }  // namespace rend

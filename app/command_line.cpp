@@ -90,23 +90,51 @@ void add_serve(CLI::App& app, CommandLine& line) {
   });
 }
 
+/// What `run` and `remesh` write, and how.
+void add_output_options(CLI::App& command, CommandLine& line) {
+  OutputOptions& output = line.run.output;
+  command.add_option("--out", output.out, "Run directory to write")->required();
+  command.add_option("--size", line.size, "Picture size, WxH")->capture_default_str();
+  command.add_option("--passes", output.accumulate, "Render passes per picture: 1 is fast, 64 is fine")
+      ->check(CLI::Range(1, 1024))->capture_default_str();
+  command.add_option("--png-level", output.png_level, "PNG compression, 0 to 9")->check(CLI::Range(0, 9))
+      ->capture_default_str();
+  command.add_flag("--png,!--no-png", output.png, "Write png/000001.png ... (on by default)");
+  command.add_flag("--ply,!--no-ply", output.ply, "Write mesh/ and particles/ as binary PLY (on by default)");
+}
+
+void finish_output_options(CommandLine& line) {
+  OutputOptions& output = line.run.output;
+  parse_size(line.size, output.width, output.height);
+  output.gl = line.gl;
+}
+
 void add_run(CLI::App& app, CommandLine& line) {
   CLI::App* command = app.add_subcommand("run", "Run a scene without a browser: pictures, meshes and a table");
   add_scene_option(*command, line);
-  command->add_option("--out", line.run.out, "Run directory to write")->required();
+  add_output_options(*command, line);
   command->add_option("--frames", line.run.frames, "Frames to run instead of the scene's")->check(CLI::Range(1, 1000000));
-  command->add_option("--size", line.size, "Picture size, WxH")->capture_default_str();
-  command->add_option("--passes", line.run.accumulate, "Render passes per picture: 1 is fast, 64 is fine")
-      ->check(CLI::Range(1, 1024))->capture_default_str();
-  command->add_option("--png-level", line.run.png_level, "PNG compression, 0 to 9")->check(CLI::Range(0, 9))
-      ->capture_default_str();
-  command->add_flag("--png,!--no-png", line.run.png, "Write png/000001.png ... (on by default)");
-  command->add_flag("--ply,!--no-ply", line.run.ply, "Write mesh/ and particles/ as binary PLY (on by default)");
+  command->add_flag("--record,!--no-record", line.run.output.record, "Write record/, which remesh needs (on by default)");
   command->callback([&line] {
     line.action = [&line] {
-      parse_size(line.size, line.run.width, line.run.height);
-      line.run.gl = line.gl;
+      finish_output_options(line);
       return run_scene(line.read(), line.run);
+    };
+  });
+}
+
+void add_remesh(CLI::App& app, CommandLine& line) {
+  CLI::App* command =
+      app.add_subcommand("remesh", "Make surfaces and pictures again from a recorded run, without simulating");
+  command->add_option("RUN", line.path, "Run directory that was written by rend run")->required();
+  command->add_option("--set", line.set, "Replace a value of the scene, e.g. /fracture/gap=0.4 (repeatable)");
+  add_output_options(*command, line);
+  command->callback([&line] {
+    line.action = [&line] {
+      finish_output_options(line);
+      line.run.output.record = false;
+      line.scene = (std::filesystem::path(line.path) / "scene.json").string();
+      return remesh_run(line.read(), line.path, line.run.output);
     };
   });
 }
@@ -151,6 +179,7 @@ int run_command_line(int argc, char** argv) {
   app.fallthrough();
   add_serve(app, line);
   add_run(app, line);
+  add_remesh(app, line);
   add_check(app, line);
   add_probe(app, line);
   try {

@@ -5,6 +5,15 @@
 
 namespace rend {
 
+Frame mesh_frame(FractureMesh& fracture, std::shared_ptr<const Snapshot> snapshot) {
+  fracture.update(*snapshot);
+  Frame frame;
+  frame.surface = std::make_shared<SurfaceMesh>(fracture.surface(*snapshot));
+  frame.fracture = fracture.report();
+  frame.snapshot = std::move(snapshot);
+  return frame;
+}
+
 Pipeline::Pipeline(SceneDesc scene, std::shared_ptr<const Model> model)
     : scene_(std::move(scene)),
       model_(std::move(model)),
@@ -16,16 +25,7 @@ Frame Pipeline::make_frame(FrameReport report) {
   report.frame = frame_;
   snapshot->frame = frame_;
   snapshot->report = std::move(report);
-  return mesh_frame(std::move(snapshot));
-}
-
-Frame Pipeline::mesh_frame(std::shared_ptr<const Snapshot> snapshot) {
-  fracture_.update(*snapshot);
-  Frame frame;
-  frame.surface = std::make_shared<SurfaceMesh>(fracture_.surface(*snapshot));
-  frame.fracture = fracture_.report();
-  frame.snapshot = std::move(snapshot);
-  return frame;
+  return mesh_frame(fracture_, std::move(snapshot));
 }
 
 Frame Pipeline::current() { return make_frame(solver_->advance(0)); }
@@ -54,7 +54,7 @@ void Pipeline::apply(const SceneDesc& changed) {
 void Pipeline::remesh(const FractureDesc& settings, std::vector<Frame>& recorded) {
   scene_.fracture = settings;
   fracture_ = FractureMesh(scene_, *model_);
-  for (Frame& frame : recorded) frame = mesh_frame(frame.snapshot);
+  for (Frame& frame : recorded) frame = mesh_frame(fracture_, frame.snapshot);
 }
 
 }  // namespace rend

@@ -19,6 +19,9 @@ struct Frame {
   FractureReport fracture;
 };
 
+/// Updates the fracture mesh with the next snapshot and takes its surface.
+Frame mesh_frame(FractureMesh& fracture, std::shared_ptr<const Snapshot> snapshot);
+
 /// Owns the matter of one scene and advances it frame by frame.
 class Pipeline {
  public:
@@ -50,7 +53,6 @@ class Pipeline {
 
  private:
   Frame make_frame(FrameReport report);
-  Frame mesh_frame(std::shared_ptr<const Snapshot> snapshot);
 
   SceneDesc scene_;
   std::shared_ptr<const Model> model_;

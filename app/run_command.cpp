@@ -1,105 +1,90 @@
-// `rend run`.
+// `rend run` and `rend remesh`.
 #include "app/run_command.h"
 
-#include "app/frame_table.h"
-#include "app/ply.h"
 #include "app/progress.h"
-#include "app/view.h"
+#include "app/record.h"
 #include "engine/core/error.h"
-#include "engine/scene/scene_reader.h"
-#include "render/image_file.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
-#include <optional>
 
 namespace rend {
 
 namespace {
 
-namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
+constexpr double kMemoryLimit = 16e9;  // bytes
 
-constexpr double kMemoryLimit = 16e9;
+using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (code) throw Error(folder.string(), "cannot create the folder: " + code.message());
+std::shared_ptr<const Model> prepare_model(const SceneDesc& scene) {
+  const Clock::time_point start = Clock::now();
+  ProgressLine line("preparing");
+  auto model = std::make_shared<Model>(
+      build_model(scene, kMemoryLimit, [&](const char* stage, double share) { line.show(share, stage); }));
+  line.finish(fmt::format("{} particles, {} tets in {}", model->particle_count(), model->tets.size(),
+                          duration_text(seconds_since(start))));
+  for (const std::string& note : model->notes) fmt::print(stderr, "note: {}\n", note);
+  return model;
 }
 
-/// Writes what one frame leaves behind in a run directory.
-class RunDirectory {
- public:
-  RunDirectory(const RunOptions& options, const SceneDesc& scene) : options_(options) {
-    make_folder(options.out);
-    if (options.png) make_folder(options.out / "png");
-    if (options.ply) {
-      make_folder(options.out / "mesh");
-      make_folder(options.out / "particles");
-    }
-    write_file(options.out / "scene.json", write_scene(scene));
-    if (options.png) renderer_.emplace(options.gl);
-    table_ = frame_table_header();
-  }
-
-  void write(const Pipeline& pipeline, const Stage& stage, const Frame& frame) {
-    FrameCost cost{frame.fracture.seconds, 0};
-    const std::string name = fmt::format("{:06}", frame.snapshot->frame);
-    if (renderer_) {
-      const Clock::time_point start = Clock::now();
-      const View view = default_view(stage.scene);
-      const Drawing drawing = make_drawing(stage, frame, view);
-      const Image image =
-          renderer_->draw(drawing.list, view.camera, {options_.width, options_.height, options_.accumulate});
-      cost.render_seconds = seconds_since(start);
-      write_png(options_.out / "png" / (name + ".png"), image, options_.png_level);
-    }
-    if (options_.ply) {
-      write_file(options_.out / "mesh" / (name + ".ply"), surface_ply(*frame.surface));
-      write_file(options_.out / "particles" / (name + ".ply"), particles_ply(*frame.snapshot, pipeline.model()));
-    }
-    table_ += frame_table_row(frame, cost);
-    write_file(options_.out / "frames.csv", table_);
-  }
-
- private:
-  const RunOptions& options_;
-  std::optional<Renderer> renderer_;
-  std::string table_;
-};
+std::vector<std::filesystem::path> recorded_files(const std::filesystem::path& run_directory) {
+  std::vector<std::filesystem::path> files;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(run_directory / "record", ignored))
+    if (entry.path().extension() == ".bin") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (files.empty()) throw Error((run_directory / "record").string(), "holds no recorded frames; run without --no-record");
+  return files;
+}
 
 }  // namespace
 
 int run_scene(const SceneDesc& scene, const RunOptions& options) {
   const int frames = options.frames > 0 ? options.frames : scene.frames;
+  const auto model = prepare_model(scene);
+  Pipeline pipeline(scene, model);
+  fmt::print(stderr, "{}\n", pipeline.solver_choice());
+  const Stage stage = make_stage(scene, *model);
+  RunDirectory directory(options.output, stage, *model);
   const Clock::time_point start = Clock::now();
-  ProgressLine preparing("preparing");
-  const auto show = [&](const char* stage, double share) { preparing.show(share, stage); };
-  Pipeline pipeline(scene, std::make_shared<Model>(build_model(scene, kMemoryLimit, show)));
-  for (const std::string& note : pipeline.model().notes) fmt::print(stderr, "note: {}\n", note);
-  preparing.finish(fmt::format("{} particles, {} tets in {}; {}", pipeline.model().particle_count(),
-                               pipeline.model().tets.size(), duration_text(seconds_since(start)),
-                               pipeline.solver_choice()));
-  const Stage stage = make_stage(scene, pipeline.model());
-  RunDirectory directory(options, scene);
-  ProgressLine running("running");
+  ProgressLine line("running");
   for (int n = 1; n <= frames; ++n) {
     const Frame frame = pipeline.advance();
-    directory.write(pipeline, stage, frame);
+    directory.write(frame);
     const FrameReport& report = frame.snapshot->report;
     if (report.status != Status::ok) {
-      running.finish(fmt::format("stopped in frame {}: {}", n, report.reason));
+      line.finish(fmt::format("stopped in frame {}: {}", n, report.reason));
       return 4;
     }
-    running.show(static_cast<double>(n) / frames,
-                 fmt::format("frame {} of {}, {} steps, {} pieces", n, frames, report.substeps, frame.fracture.pieces));
+    line.show(static_cast<double>(n) / frames,
+              fmt::format("frame {} of {}, {} steps, {} pieces", n, frames, report.substeps, frame.fracture.pieces));
   }
-  running.finish(fmt::format("{} frames in {}, written to {}", frames, duration_text(seconds_since(start)),
-                             options.out.string()));
+  line.finish(fmt::format("{} frames in {}, written to {}", frames, duration_text(seconds_since(start)),
+                          options.output.out.string()));
+  return 0;
+}
+
+int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_directory, const OutputOptions& options) {
+  const auto files = recorded_files(run_directory);
+  const auto model = prepare_model(scene);
+  const std::uint64_t wanted = fingerprint(*model);
+  FractureMesh fracture(scene, *model);
+  const Stage stage = make_stage(scene, *model);
+  RunDirectory directory(options, stage, *model);
+  const Clock::time_point start = Clock::now();
+  ProgressLine line("remeshing");
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    auto snapshot = std::make_shared<const Snapshot>(read_snapshot(files[n], wanted));
+    directory.write(mesh_frame(fracture, std::move(snapshot)));
+    line.show(static_cast<double>(n + 1) / static_cast<double>(files.size()),
+              fmt::format("frame {} of {}, {} pieces", n + 1, files.size(), fracture.report().pieces));
+  }
+  line.finish(fmt::format("{} frames in {}, written to {}", files.size(), duration_text(seconds_since(start)),
+                          options.out.string()));
   return 0;
 }
 

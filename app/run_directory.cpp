@@ -1,0 +1,63 @@
+// A run directory.
+#include "app/run_directory.h"
+
+#include "app/ply.h"
+#include "app/record.h"
+#include "engine/core/error.h"
+#include "engine/scene/scene_reader.h"
+#include "render/image_file.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+namespace rend {
+
+namespace {
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code) throw Error(folder.string(), "cannot create the folder: " + code.message());
+}
+
+}  // namespace
+
+RunDirectory::RunDirectory(OutputOptions options, const Stage& stage, const Model& model)
+    : options_(std::move(options)), stage_(stage), model_(model), fingerprint_(fingerprint(model)) {
+  if (options_.png) renderer_.emplace(options_.gl);
+  make_folder(options_.out);
+  if (options_.png) make_folder(options_.out / "png");
+  if (options_.record) make_folder(options_.out / "record");
+  if (options_.ply) {
+    make_folder(options_.out / "mesh");
+    make_folder(options_.out / "particles");
+  }
+  write_file(options_.out / "scene.json", write_scene(stage.scene));
+  table_ = frame_table_header();
+}
+
+double RunDirectory::write_picture(const Frame& frame, const std::string& name) {
+  const auto start = std::chrono::steady_clock::now();
+  const View view = default_view(stage_.scene);
+  const Drawing drawing = make_drawing(stage_, frame, view);
+  const Image image = renderer_->draw(drawing.list, view.camera, {options_.width, options_.height, options_.accumulate});
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_png(options_.out / "png" / (name + ".png"), image, options_.png_level);
+  return seconds;
+}
+
+void RunDirectory::write(const Frame& frame) {
+  const std::string name = fmt::format("{:06}", frame.snapshot->frame);
+  FrameCost cost{frame.fracture.seconds, 0};
+  if (renderer_) cost.render_seconds = write_picture(frame, name);
+  if (options_.ply) {
+    write_file(options_.out / "mesh" / (name + ".ply"), surface_ply(*frame.surface));
+    write_file(options_.out / "particles" / (name + ".ply"), particles_ply(*frame.snapshot, model_));
+  }
+  if (options_.record) write_file(options_.out / "record" / (name + ".bin"), encode_snapshot(*frame.snapshot, fingerprint_));
+  table_ += frame_table_row(frame, cost);
+  write_file(options_.out / "frames.csv", table_);
+}
+
+}  // namespace rend

@@ -1,4 +1,5 @@
-// What the simulation hands over once a frame: an immutable copy of what one may look at, and its balance sheet.
+// What the simulation hands over once a frame: an immutable copy of what one may look at, and its
+// balance sheet.
 #pragma once
 
 #include "engine/core/types.h"
@@ -27,23 +28,25 @@ struct FrameReport {
   Real dissipated_energy = 0;  ///< plastic work and energy let go by damage, since the start
   Real external_work = 0;      ///< by colliders and controls, since the start
   Real max_speed = 0;
-  Index yielded = 0;           ///< particles that have ever yielded
+  Index yielded = 0;  ///< particles that have ever yielded
   Index damaged = 0;
+  Index clamped =
+      0;  ///< particle steps of this frame with a flat or inverted F, see kSmallestStretch
   std::uint64_t state_hash = 0;
   Status status = Status::ok;
-  std::string reason;          ///< one sentence with numbers and what to do; empty when ok
-  Index culprit = -1;          ///< particle id behind a bad status
+  std::string reason;  ///< one sentence with numbers and what to do; empty when ok
+  Index culprit = -1;  ///< particle id behind a bad status
 };
 
 /// Particles in the order of their stable ids.
 struct Snapshot {
   Index frame = 0;
-  Real time = 0;                       ///< [s]
-  std::vector<Vec3> x;                 ///< #P world positions [m]
-  std::vector<Vec3f> v;                ///< #P velocities [m/s]
-  std::vector<float> damage;           ///< #P 1 - tau_c / tau_c0, 1 when damaged [-]
-  std::vector<float> stress;           ///< #P largest principal Kirchhoff stress [Pa]
-  std::vector<std::uint8_t> yielded;   ///< #P 1 when the particle has ever yielded
+  Real time = 0;                      ///< [s]
+  std::vector<Vec3> x;                ///< #P world positions [m]
+  std::vector<Vec3f> v;               ///< #P velocities [m/s]
+  std::vector<float> damage;          ///< #P 1 - tau_c / tau_c0, 1 when damaged [-]
+  std::vector<float> stress;          ///< #P largest principal Kirchhoff stress [Pa]
+  std::vector<std::uint8_t> yielded;  ///< #P 1 when the particle has ever yielded
   FrameReport report;
 };
 

@@ -11,22 +11,25 @@
 
 namespace rend {
 
-/// Called between two substeps; returning false ends the advance early (the frame is not complete then).
+/// Called between two substeps; returning false ends the advance early (the frame is not complete
+/// then).
 using BetweenSteps = std::function<bool()>;
 
-/// A force that pulls matter near a point: f = strength * falloff(|x - at|), for the page's pull tool.
+/// A force that pulls matter near a point: f = strength * falloff(|x - at|), for the page's pull
+/// tool.
 struct PullForce {
-  Vec3 at = Vec3::Zero();      ///< [m]
-  Vec3 force = Vec3::Zero();   ///< total force [N]
-  Real radius = 0;             ///< [m]; 0 is off
+  Vec3 at = Vec3::Zero();     ///< [m]
+  Vec3 force = Vec3::Zero();  ///< total force [N]
+  Real radius = 0;            ///< [m]; 0 is off
 };
 
 class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// Steps until time() has grown by `duration` [s], with a step chosen by the rule of time_step.h. On numerical
-  /// trouble it stops with a named reason in the report and the state of the last good frame is restored.
+  /// Steps until time() has grown by `duration` [s], with a step chosen by the rule of time_step.h.
+  /// On numerical trouble it stops with a named reason in the report and the state of the last good
+  /// frame is restored.
   virtual FrameReport advance(Real duration, const BetweenSteps& between = {}) = 0;
 
   virtual Real time() const = 0;
@@ -37,17 +40,20 @@ class Solver {
   virtual void set_gravity(const Vec3& gravity) = 0;
   virtual void set_pull(const PullForce& pull) = 0;
 
-  /// Exact binary state; load() of the same scene continues with the same bits. @throws Error when it does not fit.
+  /// Exact binary state; load() of the same scene continues with the same bits. @throws Error when
+  /// it does not fit.
   virtual void save(std::ostream& out) const = 0;
   virtual void load(std::istream& in) = 0;
 
-  /// Name of the solver and instruction set in use, and bytes it holds per particle; for `rend check`.
+  /// Name of the solver and instruction set in use, and bytes it holds per particle; for `rend
+  /// check`.
   virtual std::string describe() const = 0;
   virtual double bytes_per_particle() const = 0;
 };
 
-/// Picks the tile solver for "float" scenes that it covers and the reference solver otherwise; `why` (optional)
-/// receives one sentence on the choice.
-std::unique_ptr<Solver> make_solver(const SceneDesc& scene, const Model& model, std::string* why = nullptr);
+/// Picks the tile solver for "float" scenes that it covers and the reference solver otherwise;
+/// `why` (optional) receives one sentence on the choice.
+std::unique_ptr<Solver> make_solver(const SceneDesc& scene, const Model& model,
+                                    std::string* why = nullptr);
 
 }  // namespace rend

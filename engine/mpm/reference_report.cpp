@@ -1,0 +1,229 @@
+// What the reference solver tells: report, snapshot, and its state as a file.
+#include "engine/core/parallel.h"
+#include "engine/core/small_matrix.h"
+#include "engine/mpm/reference_solver.h"
+#include "engine/mpm/state_file.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rend {
+
+namespace {
+
+constexpr Index kGrain = 1024;
+constexpr const char* kKind = "reference";
+
+struct ReportSums {
+  Real mass = 0, kinetic = 0, elastic = 0, gravity = 0, max_speed = 0;
+  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
+  Index yielded = 0, damaged = 0;
+  ReportSums& operator+=(const ReportSums& o) {
+    mass += o.mass;
+    kinetic += o.kinetic;
+    elastic += o.elastic;
+    gravity += o.gravity;
+    max_speed = std::max(max_speed, o.max_speed);
+    momentum += o.momentum;
+    angular += o.angular;
+    yielded += o.yielded;
+    damaged += o.damaged;
+    return *this;
+  }
+};
+
+// MaterialDesc as numbers; the name stays with the scene.
+struct MaterialNumbers {
+  Real density, youngs_modulus, poisson_ratio;
+  YieldSurface yield_surface;
+  SofteningRule softening_rule;
+  Real fracture_energy;
+  DamageDesc damage;
+  StrengthFieldDesc strength_field;
+};
+
+void put_material(StateWriter& out, const MaterialDesc& m) {
+  MaterialNumbers numbers;
+  // Padding must not carry chance bits into the file.
+  std::memset(static_cast<void*>(&numbers), 0, sizeof(numbers));
+  numbers.density = m.density;
+  numbers.youngs_modulus = m.youngs_modulus;
+  numbers.poisson_ratio = m.poisson_ratio;
+  numbers.yield_surface.type = m.yield_surface.type;
+  numbers.yield_surface.value = m.yield_surface.value;
+  numbers.softening_rule = m.softening_rule;
+  numbers.fracture_energy = m.fracture_energy.value_or(std::numeric_limits<Real>::quiet_NaN());
+  numbers.damage.type = m.damage.type;
+  numbers.damage.threshold = m.damage.threshold;
+  numbers.damage.shear_factor = m.damage.shear_factor;
+  numbers.damage.friction_angle = m.damage.friction_angle;
+  numbers.strength_field = m.strength_field;
+  out.put(numbers);
+}
+
+MaterialDesc get_material(StateReader& in, const MaterialDesc& named) {
+  MaterialNumbers numbers;
+  in.get(numbers);
+  MaterialDesc m = named;
+  m.density = numbers.density;
+  m.youngs_modulus = numbers.youngs_modulus;
+  m.poisson_ratio = numbers.poisson_ratio;
+  m.yield_surface = numbers.yield_surface;
+  m.softening_rule = numbers.softening_rule;
+  m.fracture_energy.reset();
+  if (!std::isnan(numbers.fracture_energy)) m.fracture_energy = numbers.fracture_energy;
+  m.damage = numbers.damage;
+  m.strength_field = numbers.strength_field;
+  return m;
+}
+
+}  // namespace
+
+void ReferenceSolver::fill_report(FrameReport& report) const {
+  const Real inertia = transfer_.inertia * dx_ * dx_;
+  const ReportSums sums = ordered_sum(particles_.count(), kGrain, ReportSums(), [&](Index p) {
+    const auto i = static_cast<std::size_t>(p);
+    const Real m = particles_.mass[i];
+    const Vec3 &x = particles_.x[i], &v = particles_.v[i];
+    ReportSums one;
+    one.mass = m;
+    one.momentum = m * v;
+    one.angular = m * x.cross(v);
+    if (transfer_.affine) {
+      // sum_i w r x (C r) with sum_i w r r^T = D 1.
+      const Mat3& C = particles_.C[i];
+      one.angular += m * inertia * Vec3(C(2, 1) - C(1, 2), C(0, 2) - C(2, 0), C(1, 0) - C(0, 1));
+    }
+    one.kinetic = 0.5 * m * v.squaredNorm();
+    one.gravity = -m * gravity_.dot(x);
+    one.damaged = is_damaged(p);
+    one.yielded = particles_.yielded[i];
+    one.elastic =
+        particles_.volume[i] * elastic_energy_density(materials_[particles_.material[i]].constants,
+                                                      particles_.F[i], one.damaged != 0);
+    one.max_speed = v.norm();
+    return one;
+  });
+  report.frame = frame_;
+  report.time = time_;
+  report.particles = particles_.count();
+  report.mass = sums.mass;
+  report.momentum = sums.momentum;
+  report.angular_momentum = sums.angular;
+  report.kinetic_energy = sums.kinetic;
+  report.elastic_energy = sums.elastic;
+  report.gravity_energy = sums.gravity;
+  report.dissipated_energy = dissipated_;
+  report.external_work = external_work_;
+  report.max_speed = sums.max_speed;
+  report.yielded = sums.yielded;
+  report.damaged = sums.damaged;
+  report.state_hash = state_hash();
+}
+
+std::uint64_t ReferenceSolver::state_hash() const {
+  std::uint64_t hash = hash_bytes(0, &time_, sizeof(time_));
+  hash = hash_values(hash, particles_.x);
+  hash = hash_values(hash, particles_.v);
+  hash = hash_values(hash, particles_.C);
+  hash = hash_values(hash, particles_.F);
+  return hash_values(hash, particles_.tau_c);
+}
+
+Snapshot ReferenceSolver::snapshot() const {
+  Snapshot out;
+  const std::size_t count = particles_.x.size();
+  out.frame = frame_;
+  out.time = time_;
+  out.x = particles_.x;
+  out.v.resize(count);
+  out.damage.resize(count);
+  out.stress.resize(count);
+  out.yielded = particles_.yielded;
+  parallel_for(particles_.count(), kGrain, [&](Index p) {
+    const auto i = static_cast<std::size_t>(p);
+    out.v[i] = particles_.v[i].cast<float>();
+    const Real full = tau_c0(p);
+    const Real lost = full > 0 ? 1 - particles_.tau_c[i] / full : 0;
+    out.damage[i] = is_damaged(p) ? 1.0f : static_cast<float>(std::clamp(lost, 0.0, 1.0));
+    out.stress[i] = static_cast<float>(symmetric_eigen(particles_.tau[i]).value.maxCoeff());
+  });
+  out.report = report_;
+  return out;
+}
+
+void ReferenceSolver::save(std::ostream& out) const {
+  StateWriter writer;
+  writer.put(time_);
+  writer.put(frame_);
+  writer.put(dissipated_);
+  writer.put(external_work_);
+  writer.put(motion_);
+  writer.put(gravity_);
+  writer.put(pull_.at);
+  writer.put(pull_.force);
+  writer.put(pull_.radius);
+  for (const SolverMaterial& material : materials_) put_material(writer, material.desc);
+  writer.put(particles_.x);
+  writer.put(particles_.v);
+  writer.put(particles_.C);
+  writer.put(particles_.F);
+  writer.put(particles_.tau);
+  writer.put(particles_.tau_c);
+  writer.put(particles_.mass);
+  writer.put(particles_.yielded);
+  writer.write(out, kKind, scene_hash_);
+}
+
+void ReferenceSolver::load(std::istream& in) {
+  StateReader reader(in, kKind, scene_hash_);
+  State state;
+  Index frame;
+  Vec3 gravity;
+  PullForce pull;
+  reader.get(state.time);
+  reader.get(frame);
+  reader.get(state.dissipated);
+  reader.get(state.external_work);
+  reader.get(state.motion);
+  reader.get(gravity);
+  reader.get(pull.at);
+  reader.get(pull.force);
+  reader.get(pull.radius);
+  std::vector<SolverMaterial> materials;
+  for (const SolverMaterial& material : materials_)
+    materials.emplace_back(get_material(reader, material.desc));
+  const std::size_t count = particles_.x.size();
+  reader.get(state.particles.x, count);
+  reader.get(state.particles.v, count);
+  reader.get(state.particles.C, particles_.C.size());
+  reader.get(state.particles.F, count);
+  reader.get(state.particles.tau, count);
+  reader.get(state.particles.tau_c, count);
+  reader.get(state.particles.mass, count);
+  reader.get(state.particles.yielded, count);
+  reader.finish();
+  state.particles.volume = particles_.volume;
+  state.particles.material = particles_.material;
+
+  good_ = std::move(state);
+  restore();
+  frame_ = frame;
+  gravity_ = gravity;
+  pull_ = pull;
+  materials_ = std::move(materials);
+  report_ = {};
+  fill_report(report_);
+}
+
+double ReferenceSolver::bytes_per_particle() const {
+  const Real each = sizeof(Vec3) * 2 + sizeof(Mat3) * (transfer_.affine ? 3 : 2) +
+                    sizeof(Real) * 3 + sizeof(std::uint16_t) + sizeof(std::uint8_t);
+  const Real count = std::max<Real>(1, particles_.count());
+  return 2 * each + sizeof(Vec3i) + (strength_.empty() ? 0 : sizeof(float)) + grid_.bytes() / count;
+}
+
+}  // namespace rend

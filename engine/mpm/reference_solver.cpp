@@ -1,0 +1,408 @@
+// The step of explicit MPM, and the frame around it.
+#include "engine/mpm/reference_solver.h"
+
+#include "engine/core/error.h"
+#include "engine/core/parallel.h"
+#include "engine/core/small_matrix.h"
+#include "engine/mpm/state_file.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+
+namespace rend {
+
+namespace {
+
+constexpr Index kGrain = 1024;
+constexpr Real kMostSteps = 1e7;  // in one advance; more means that the state has blown up
+
+std::uint64_t hash_scene(const SceneDesc& scene, const Model& model) {
+  const Real numbers[] = {scene.grid.dx, static_cast<Real>(scene.solver.transfer),
+                          static_cast<Real>(scene.solver.kernel),
+                          static_cast<Real>(scene.solver.force_form),
+                          static_cast<Real>(scene.solver.deformation_update)};
+  std::uint64_t hash = hash_bytes(1, numbers, sizeof(numbers));
+  hash = hash_values(hash, model.X);
+  hash = hash_values(hash, model.volume);
+  hash = hash_values(hash, model.strength);
+  return hash_values(hash, model.material);
+}
+
+}  // namespace
+
+SolverMaterial::SolverMaterial(const MaterialDesc& material)
+    : desc(material),
+      lame(lame_parameters(material.youngs_modulus, material.poisson_ratio)),
+      constants(law_constants(material)),
+      respond(stress_update(material)),
+      tau_c0(initial_threshold(material.yield_surface)) {}
+
+ReferenceSolver::StepSums& ReferenceSolver::StepSums::operator+=(const StepSums& other) {
+  motion += other.motion;
+  dissipation += other.dissipation;
+  clamped += other.clamped;
+  if (fault.status == Status::ok) fault = other.fault;
+  return *this;
+}
+
+ReferenceSolver::ReferenceSolver(const SceneDesc& scene, const Model& model)
+    : scene_(scene),
+      dx_(scene.grid.dx),
+      transfer_(make_grid_transfer(scene.solver)),
+      strength_(model.strength),
+      scene_hash_(hash_scene(scene, model)),
+      gravity_(scene.gravity) {
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+    if (scene.bodies[b].force == ForceKind::mesh)
+      throw Error(fmt::format("/bodies/{}/force", b),
+                  "the solver covers \"particle\" forces so far");
+  for (const MaterialDesc& material : scene.materials) materials_.emplace_back(material);
+
+  const std::size_t count = model.X.size();
+  particles_.x = model.X;
+  particles_.v = model.velocity;
+  particles_.F.assign(count, Mat3::Identity());
+  particles_.tau.assign(count, Mat3::Zero());
+  particles_.volume = model.volume;
+  particles_.material = model.material;
+  particles_.yielded.assign(count, 0);
+  particles_.tau_c.resize(count);
+  particles_.mass.resize(count);
+  if (transfer_.affine) particles_.C.assign(count, Mat3::Zero());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Index p = static_cast<Index>(i);
+    particles_.tau_c[i] = tau_c0(p);
+    particles_.mass[i] = model.volume[i] * materials_[model.material[i]].desc.density;
+    if (transfer_.affine && model.body[i] < model.velocity_gradient.size())
+      particles_.C[i] = model.velocity_gradient[model.body[i]];
+    if (!particles_.x[i].allFinite() ||
+        !(particles_.x[i].cwiseAbs().maxCoeff() < dx_ * (BlockGrid::kLimit - 8)))
+      throw Error("/bodies",
+                  fmt::format("particle {} at ({}, {}, {}) m is outside +-2^20 cells of {} m", i,
+                              particles_.x[i][0], particles_.x[i][1], particles_.x[i][2], dx_));
+  }
+  first_node_.resize(count);
+  measure_motion();
+  fill_report(report_);
+}
+
+// ---- one step
+// -------------------------------------------------------------------------------------------------
+
+ReferenceSolver::StepSums ReferenceSolver::step(Real dt) {
+  bin_particles();
+  particles_to_grid();
+  update_grid(dt);
+  return grid_to_particles(dt);
+}
+
+void ReferenceSolver::bin_particles() {
+  parallel_for(particles_.count(), kGrain, [&](Index p) {
+    const auto i = static_cast<std::size_t>(p);
+    first_node_[i] = transfer_.first_node(particles_.x[i], dx_);
+  });
+  grid_.rebuild(first_node_);
+}
+
+void ReferenceSolver::particles_to_grid() {
+  grid_.clear();
+  for (int c = 0; c < 8; ++c) {
+    const std::vector<Index>& blocks = grid_.color(c);
+    parallel_for(static_cast<Index>(blocks.size()), 1, [&](Index n) {
+      const auto& block =
+          grid_.particle_blocks()[static_cast<std::size_t>(blocks[static_cast<std::size_t>(n)])];
+      transfer_.scatter(block, particles_, dx_, grid_);
+    });
+  }
+}
+
+void ReferenceSolver::update_grid(Real dt) {
+  const Index blocks = static_cast<Index>(grid_.grid_blocks().size());
+  const auto falloff = [&](const Vec3& x) {
+    const Real s = 1 - (x - pull_.at).squaredNorm() / (pull_.radius * pull_.radius);
+    return s > 0 ? s * s : 0.0;
+  };
+  Real pulled_mass = 0;
+  if (pull_.radius > 0)
+    pulled_mass = ordered_sum(blocks, 8, 0.0, [&](Index b) {
+      Real sum = 0;
+      for (int n = 0; n < BlockGrid::kNodes; ++n)
+        if (grid_.nodes(b)[n].mass > 0)
+          sum += grid_.nodes(b)[n].mass * falloff(grid_.position(b, n, dx_));
+      return sum;
+    });
+  const std::vector<PosedCollider> colliders = pose_colliders(scene_.colliders, time_ + dt);
+  const Real block_radius = 0.5 * std::sqrt(3.0) * (BlockGrid::kEdge - 1) * dx_;
+
+  external_work_ += ordered_sum(blocks, 8, 0.0, [&](Index b) {
+    const GridNode* node = grid_.nodes(b);
+    NodeVelocity* out = grid_.velocities(b);
+    std::vector<const PosedCollider*> near;
+    const Vec3 centre =
+        0.5 * (grid_.position(b, 0, dx_) + grid_.position(b, BlockGrid::kNodes - 1, dx_));
+    for (const PosedCollider& c : colliders)
+      if (distance_to(c.desc->shape, c.pose.to_local(centre)).value <= block_radius)
+        near.push_back(&c);
+
+    Real work = 0;
+    for (int n = 0; n < BlockGrid::kNodes; ++n) {
+      if (!(node[n].mass > 0)) {
+        out[n] = {};
+        continue;
+      }
+      const Vec3 v_old = node[n].momentum / node[n].mass;
+      Vec3 v = v_old + dt * (node[n].force / node[n].mass + gravity_);
+      if (pulled_mass > 0) {
+        const Vec3 kick = dt / pulled_mass * falloff(grid_.position(b, n, dx_)) * pull_.force;
+        work += node[n].mass * kick.dot(v + 0.5 * kick);
+        v += kick;
+      }
+      for (const PosedCollider* c : near) {
+        const Vec3 x = grid_.position(b, n, dx_);
+        const Distance distance = distance_to(c->desc->shape, c->pose.to_local(x));
+        if (distance.value > 0) continue;
+        const Vec3 wall = c->pose.velocity_at(x);
+        const Vec3 after = wall + relative_velocity_after_contact(
+                                      *c->desc, v - wall, c->pose.rotation * distance.normal);
+        work += node[n].mass * (after - v).dot(wall);
+        v = after;
+      }
+      out[n] = {v, v - v_old};
+    }
+    return work;
+  });
+  motion_.collider_speed = 0;
+  for (const PosedCollider& c : colliders)
+    motion_.collider_speed = std::max(motion_.collider_speed, fastest_point(c));
+}
+
+ReferenceSolver::StepSums ReferenceSolver::grid_to_particles(Real dt) {
+  return ordered_sum(
+      static_cast<Index>(grid_.particle_blocks().size()), 1, StepSums(), [&](Index b) {
+        const auto& block = grid_.particle_blocks()[static_cast<std::size_t>(b)];
+        std::vector<GridSample> sample(static_cast<std::size_t>(block.end - block.begin));
+        transfer_.gather(block, grid_, dx_, scene_.solver, particles_, sample.data());
+        StepSums sums;
+        for (Index n = block.begin; n < block.end; ++n)
+          move_particle(grid_.order()[static_cast<std::size_t>(n)],
+                        sample[static_cast<std::size_t>(n - block.begin)], dt, sums);
+        return sums;
+      });
+}
+
+void ReferenceSolver::move_particle(Index p, const GridSample& sample, Real dt, StepSums& sums) {
+  const auto i = static_cast<std::size_t>(p);
+  const Vec3 displacement = dt * sample.pic;
+  particles_.x[i] += displacement;
+  const Mat3 H = dt * sample.gradient;
+  particles_.F[i] = scene_.solver.deformation_update == DeformationUpdate::exponential
+                        ? Mat3(matrix_exponential(H) * particles_.F[i])
+                        : Mat3(particles_.F[i] + H * particles_.F[i]);
+  respond(p, sums);
+  sums.motion.gradient = std::max(sums.motion.gradient, sample.gradient.norm());
+  watch(p, displacement, dt, sums);
+}
+
+void ReferenceSolver::respond(Index p, StepSums& sums) {
+  const auto i = static_cast<std::size_t>(p);
+  const SolverMaterial& material = materials_[particles_.material[i]];
+  const PointUpdate update =
+      material.respond(material.constants, particles_.F[i], particles_.tau_c[i], tau_c0(p));
+  particles_.tau[i] = update.tau;
+  particles_.yielded[i] |= update.yielded;
+  sums.dissipation += particles_.volume[i] * update.dissipation;
+  sums.clamped += update.clamped;
+  sums.motion.stiffness =
+      std::max(sums.motion.stiffness,
+               wave_stiffness(material.lame.mu, material.lame.lambda, update.least_stress) /
+                   material.desc.density);
+  Real speed = particles_.v[i].norm();
+  if (transfer_.affine) speed += std::sqrt(3.0) * dx_ * particles_.C[i].norm();
+  sums.motion.speed = std::max(sums.motion.speed, speed);
+}
+
+void ReferenceSolver::watch(Index p, const Vec3& displacement, Real dt, StepSums& sums) const {
+  if (sums.fault.status != Status::ok) return;
+  const auto i = static_cast<std::size_t>(p);
+  const Real farthest = particles_.x[i].cwiseAbs().maxCoeff();
+  const Real moved = displacement.cwiseAbs().maxCoeff();
+  const bool finite = std::isfinite(displacement.sum()) && std::isfinite(particles_.v[i].sum()) &&
+                      std::isfinite(particles_.F[i].sum()) &&
+                      std::isfinite(particles_.tau[i].sum());
+  if (!finite)
+    sums.fault = {Status::not_finite, p, 0};
+  else if (moved > dx_)
+    sums.fault = {Status::too_fast, p, displacement.norm() / dt};
+  else if (farthest >= dx_ * (BlockGrid::kLimit - 8))
+    sums.fault = {Status::left_domain, p, farthest};
+}
+
+// ---- one frame
+// ------------------------------------------------------------------------------------------------
+
+FrameReport ReferenceSolver::advance(Real duration, const BetweenSteps& between) {
+  const auto begin = std::chrono::steady_clock::now();
+  FrameReport report;
+  Fault fault = first_bad_particle();
+  if (fault.status == Status::ok) remember();
+  const Real start = time_;
+  const Real end = start + duration;
+  report.dt_min = report.dt_max = 0;
+  bool complete = true;
+  while (fault.status == Status::ok && time_ < end) {
+    const Real dt = choose_time_step(scene_.solver, dx_, motion_, end - time_);
+    if (!(duration / dt < kMostSteps)) {
+      fault = {Status::too_fast, -1, motion_.speed};
+      break;
+    }
+    StepSums sums;
+    try {
+      sums = step(dt);
+    } catch (const std::bad_alloc&) {
+      fault = {Status::out_of_memory, -1, 0};
+      break;
+    }
+    fault = sums.fault;
+    if (fault.status != Status::ok) break;
+    const Real collider_speed = motion_.collider_speed;
+    motion_ = sums.motion;
+    motion_.collider_speed = collider_speed;
+    dissipated_ += sums.dissipation;
+    report.clamped += sums.clamped;
+    time_ = dt < end - time_ ? time_ + dt : end;
+    report.dt_min = report.substeps == 0 ? dt : std::min(report.dt_min, dt);
+    report.dt_max = std::max(report.dt_max, dt);
+    ++report.substeps;
+    if (between && !between()) {
+      complete = time_ >= end;
+      break;
+    }
+  }
+  report.status = fault.status;
+  report.culprit = fault.particle;
+  const Real failed_at = time_;
+  if (fault.status != Status::ok)
+    restore();
+  else if (complete)
+    ++frame_;
+  switch (fault.status) {
+    case Status::ok:
+      break;
+    case Status::not_finite:
+      report.reason =
+          fmt::format("Particle {} is not finite after {:.6g} s; lower cfl or the loads.",
+                      fault.particle, failed_at);
+      break;
+    case Status::too_fast:
+      report.reason = fault.particle < 0 ? fmt::format(
+                                               "The step has fallen below 1e-7 of a frame at "
+                                               "{:.6g} s, with speeds up to {:.3g} m/s; lower "
+                                               "the loads or the stiffness.",
+                                               failed_at, fault.amount)
+                                         : fmt::format(
+                                               "Particle {} crossed more than a cell in one step "
+                                               "at {:.6g} s, at {:.3g} m/s; lower cfl or "
+                                               "time_step.",
+                                               fault.particle, failed_at, fault.amount);
+      break;
+    case Status::left_domain:
+      report.reason = fmt::format(
+          "Particle {} is {:.3g} m from the origin at {:.6g} s, beyond 2^20 cells; add a "
+          "collider or use larger cells.",
+          fault.particle, fault.amount, failed_at);
+      break;
+    case Status::out_of_memory:
+      report.reason = "The grid does not fit in memory; use larger cells or fewer particles.";
+      break;
+  }
+  fill_report(report);
+  report.sim_seconds =
+      std::chrono::duration<Real>(std::chrono::steady_clock::now() - begin).count();
+  report_ = report;
+  return report;
+}
+
+Real ReferenceSolver::stable_time_step() const {
+  return choose_time_step(scene_.solver, dx_, motion_, 1e30);
+}
+
+// Extremes and stress of the current state, as a step of length 0 would leave them.
+void ReferenceSolver::measure_motion() {
+  const StepSums sums = ordered_sum(particles_.count(), kGrain, StepSums(), [&](Index p) {
+    StepSums one;
+    respond(p, one);
+    if (transfer_.affine) one.motion.gradient = particles_.C[static_cast<std::size_t>(p)].norm();
+    return one;
+  });
+  motion_ = sums.motion;
+  dissipated_ += sums.dissipation;
+  for (const PosedCollider& c : pose_colliders(scene_.colliders, time_))
+    motion_.collider_speed = std::max(motion_.collider_speed, fastest_point(c));
+}
+
+Real ReferenceSolver::tau_c0(Index p) const {
+  const auto i = static_cast<std::size_t>(p);
+  return materials_[particles_.material[i]].tau_c0 *
+         (strength_.empty() ? 1.0 : static_cast<Real>(strength_[i]));
+}
+
+bool ReferenceSolver::is_damaged(Index p) const {
+  const auto i = static_cast<std::size_t>(p);
+  return materials_[particles_.material[i]].desc.damage.type != DamageType::off &&
+         !(particles_.tau_c[i] > 0);
+}
+
+Fault ReferenceSolver::first_bad_particle() const {
+  for (Index p = 0; p < particles_.count(); ++p) {
+    const auto i = static_cast<std::size_t>(p);
+    const bool finite = particles_.x[i].allFinite() && particles_.v[i].allFinite() &&
+                        particles_.F[i].allFinite() &&
+                        (!transfer_.affine || particles_.C[i].allFinite());
+    if (!finite) return {Status::not_finite, p, 0};
+  }
+  return {};
+}
+
+void ReferenceSolver::remember() {
+  good_ = {particles_, time_, dissipated_, external_work_, motion_};
+}
+
+void ReferenceSolver::restore() {
+  if (good_.particles.count() != particles_.count()) return;
+  particles_ = good_.particles;
+  time_ = good_.time;
+  dissipated_ = good_.dissipated;
+  external_work_ = good_.external_work;
+  motion_ = good_.motion;
+}
+
+void ReferenceSolver::set_material(std::size_t index, const MaterialDesc& material) {
+  const SolverMaterial old = materials_.at(index);
+  materials_[index] = SolverMaterial(material);
+  const SolverMaterial& now = materials_[index];
+  for (Index p = 0; p < particles_.count(); ++p) {
+    const auto i = static_cast<std::size_t>(p);
+    if (particles_.material[i] != index) continue;
+    particles_.mass[i] = particles_.volume[i] * material.density;
+    if (particles_.tau_c[i] > 0 || old.tau_c0 == 0)
+      particles_.tau_c[i] =
+          old.tau_c0 > 0 ? particles_.tau_c[i] * (now.tau_c0 / old.tau_c0) : tau_c0(p);
+  }
+  measure_motion();
+}
+
+std::string ReferenceSolver::describe() const {
+  const char* transfers[] = {"pic", "flip", "apic", "rpic", "polypic", "xpic"};
+  return fmt::format("reference solver, double, {}, {} kernel, {} force",
+                     transfers[static_cast<int>(scene_.solver.transfer)],
+                     scene_.solver.kernel == Kernel::quadratic ? "quadratic" : "cubic",
+                     scene_.solver.force_form == ForceForm::mls ? "mls" : "gradient");
+}
+
+}  // namespace rend

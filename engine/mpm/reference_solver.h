@@ -1,0 +1,113 @@
+// The reference solver: explicit MPM in double precision, every scheme, the oracle of the tile
+// solver.
+#pragma once
+
+#include "engine/material/material_point.h"
+#include "engine/mpm/block_grid.h"
+#include "engine/mpm/collider_contact.h"
+#include "engine/mpm/grid_transfer.h"
+#include "engine/mpm/particles.h"
+#include "engine/mpm/solver.h"
+#include "engine/mpm/time_step.h"
+
+#include <vector>
+
+namespace rend {
+
+/// One material as the solver uses it.
+struct SolverMaterial {
+  explicit SolverMaterial(const MaterialDesc& material);
+
+  MaterialDesc desc;
+  Lame lame;
+  LawConstants<Real> constants;
+  StressUpdate respond;
+  Real tau_c0;  ///< of a particle with strength 1 [Pa]
+};
+
+/// What went wrong with which particle.
+struct Fault {
+  Status status = Status::ok;
+  Index particle = -1;
+  Real amount = 0;  ///< speed [m/s] or coordinate [m]
+};
+
+class ReferenceSolver : public Solver {
+ public:
+  /// @throws Error for a scheme or force that it does not cover, and for particles that are not
+  /// finite or outside
+  /// +-2^20 cells.
+  ReferenceSolver(const SceneDesc& scene, const Model& model);
+
+  FrameReport advance(Real duration, const BetweenSteps& between = {}) override;
+  Real time() const override { return time_; }
+  Snapshot snapshot() const override;
+  void set_material(std::size_t index, const MaterialDesc& material) override;
+  void set_gravity(const Vec3& gravity) override { gravity_ = gravity; }
+  void set_pull(const PullForce& pull) override { pull_ = pull; }
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+  std::string describe() const override;
+  double bytes_per_particle() const override;
+
+  const Particles& particles() const { return particles_; }
+  /// Largest step that the rule of time_step.h allows now [s].
+  Real stable_time_step() const;
+
+ private:
+  // What one step adds up over particles.
+  struct StepSums {
+    MotionExtremes motion;
+    Real dissipation = 0;
+    Index clamped = 0;
+    Fault fault;
+    StepSums& operator+=(const StepSums& other);
+  };
+
+  // Everything that a bad frame must give back.
+  struct State {
+    Particles particles;
+    Real time = 0;
+    Real dissipated = 0, external_work = 0;
+    MotionExtremes motion;
+  };
+
+  StepSums step(Real dt);
+  void bin_particles();
+  void particles_to_grid();
+  void update_grid(Real dt);
+  StepSums grid_to_particles(Real dt);
+
+  void move_particle(Index p, const GridSample& sample, Real dt, StepSums& sums);
+  void respond(Index p, StepSums& sums);
+  void watch(Index p, const Vec3& displacement, Real dt, StepSums& sums) const;
+  void measure_motion();
+  bool is_damaged(Index p) const;
+  Real tau_c0(Index p) const;
+  Fault first_bad_particle() const;
+  void remember();
+  void restore();
+  void fill_report(FrameReport& report) const;
+  std::uint64_t state_hash() const;
+
+  SceneDesc scene_;
+  Real dx_;
+  GridTransfer transfer_;
+  std::vector<SolverMaterial> materials_;
+  std::vector<float> strength_;
+  std::uint64_t scene_hash_ = 0;
+
+  Particles particles_;
+  BlockGrid grid_;
+  std::vector<Vec3i> first_node_;
+  Vec3 gravity_;
+  PullForce pull_;
+  Real time_ = 0;
+  Real dissipated_ = 0, external_work_ = 0;
+  MotionExtremes motion_;
+  Index frame_ = 0;
+  FrameReport report_;
+  State good_;
+};
+
+}  // namespace rend

@@ -28,14 +28,18 @@ std::string repeated(const std::string& text, int count) {
   return out;
 }
 
-// "METHOD target" with the given header lines; `%P` stands for the right Host value.
-std::string raw(const std::string& line, const std::string& headers, int port) {
-  std::string text = line + " HTTP/1.1\r\n" + headers + "\r\n";
+// `text` with the right Host value for each `%P`.
+std::string with_host(std::string text, int port) {
   const std::string host = "127.0.0.1:" + std::to_string(port);
   for (auto at = text.find("%P"); at != std::string::npos; at = text.find("%P")) {
     text.replace(at, 2, host);
   }
   return text;
+}
+
+// A head of the request line "METHOD target HTTP/1.1" and the given header lines.
+std::string raw(const std::string& line, const std::string& headers, int port) {
+  return with_host(line + " HTTP/1.1\r\n" + headers + "\r\n", port);
 }
 
 const std::string good_host = "Host: %P\r\n";
@@ -155,12 +159,7 @@ std::vector<BadInput> paths(int p) {
 
 std::vector<BadInput> framing(int p) {
   const std::string json = good_host + "Content-Type: application/json\r\n";
-  const std::string smuggled = raw("", "", 0).substr(0, 0) + [&] {
-    std::string text = marker;
-    const std::string host = "127.0.0.1:" + std::to_string(p);
-    text.replace(text.find("%P"), 2, host);
-    return text;
-  }();
+  const std::string smuggled = with_host(marker, p);
   std::vector<BadInput> list = {
       {"length and chunked",
        raw("POST /api/echo", json + "Content-Length: 4\r\nTransfer-Encoding: chunked\r\n", p) +

@@ -7,7 +7,8 @@
 
 #define REND_GL_FUNCTIONS(X)                                                                       \
   X(ActiveTexture, ACTIVETEXTURE)                                                                  \
-  X(AttachShader, ATTACHSHADER) X(BindBuffer, BINDBUFFER) X(BindFramebuffer, BINDFRAMEBUFFER) X(   \
+  X(AttachShader, ATTACHSHADER)                                                                    \
+  X(BindBuffer, BINDBUFFER) X(BindFramebuffer, BINDFRAMEBUFFER) X(                                 \
       BindRenderbuffer, BINDRENDERBUFFER) X(BindVertexArray, BINDVERTEXARRAY)                      \
       X(BufferData, BUFFERDATA) X(CheckFramebufferStatus, CHECKFRAMEBUFFERSTATUS) X(               \
           Clear, CLEAR) X(ClearBufferfv, CLEARBUFFERFV) X(ClearBufferuiv, CLEARBUFFERUIV)          \

@@ -3,10 +3,16 @@
 
 #include "render/renderer.h"
 
+#include <vector>
+
 namespace rend {
 
-/// Draws caption, colour bar and three round labels into the lower right corner, sized to the
-/// picture. Nothing for the maps without a scale (plain, pieces) beyond the caption.
+/// Two to four round numbers within [low, high], three where possible.
+std::vector<float> round_labels(float low, float high);
+
+/// Draws caption, colour bar and round labels on a translucent card into the lower right corner,
+/// sized to the picture. Nothing without a caption, for the maps without a scale (plain, pieces)
+/// and in pictures too small to read.
 void draw_legend(Image& image, const Coloring& coloring, Theme theme);
 
 }  // namespace rend

@@ -82,18 +82,15 @@ REND_LANES void occlusion_rows(const LightFrame& f, int begin, int end) {
     const float* const pattern = f.spiral + (y & 3) * kTaps * 2 * kPatternRow;
     for (int x = 0; x < f.half_width; x += lane_count()) {
       const F z = load(row + x);
-      const M hit = z < farthest(f);
-      if (!any(hit)) {
+      const M mesh = load_even(f.depth + 2 * y * f.stride + 2 * x) < num(1);
+      if (!any(mesh)) {
         store(num(1), out + x);
         continue;
       }
       const F column = ramp(static_cast<float>(x));
       const F u = ray_u(f, column * 2.0f);
-      const M mesh = load_even(f.depth + 2 * y * f.stride + 2 * x) < num(1);
       const V3 world = decode_normal(load_even(f.surface + 2 * y * f.stride + 2 * x));
-      const F nx = select(mesh, dot(world, f.right), num(f.right[1]));
-      const F ny = select(mesh, dot(world, f.up), num(f.up[1]));
-      const F nz = select(mesh, dot(world, f.forward), num(f.forward[1]));
+      const F nx = dot(world, f.right), ny = dot(world, f.up), nz = dot(world, f.forward);
       const F px = u * z, py = z * v;
       const F reach = minimum(maximum(pixels * inverse(z), num(3)), num(110));
       F occluded = num(0);
@@ -111,7 +108,7 @@ REND_LANES void occlusion_rows(const LightFrame& f, int begin, int end) {
         occluded =
             occluded + maximum(slope - 0.10f, num(0)) * maximum(1.0f - d2 * inverse_reach, num(0));
       }
-      store(select(hit, clamp01(1.0f - occluded * (2.9f / kTaps)), num(1)), out + x);
+      store(select(mesh, clamp01(1.0f - occluded * (2.9f / kTaps)), num(1)), out + x);
     }
     for (int k = 1; k <= kLanePad; ++k) {
       out[-k] = out[0];
@@ -178,6 +175,8 @@ REND_LANES V3 to_map(const MapView& map, const V3& p) {
 /// lanes that need it.
 REND_LANES F map_visibility(const MapView& map, const V3& at, M asked, const float* nearest,
                             int tiles) {
+  // Nothing was drawn beyond the map's depth range: what lies there is judged by silhouettes alone.
+  const F depth = minimum(at.z, num(1));
   const float limit = static_cast<float>(map.size - 5);
   const F tu = minimum(maximum(at.x - 0.5f, num(2)), num(limit));
   const F tv = minimum(maximum(at.y - 0.5f, num(2)), num(limit));
@@ -185,7 +184,7 @@ REND_LANES F map_visibility(const MapView& map, const V3& at, M asked, const flo
   if (nearest) {
     // Nothing near enough in this tile or its neighbours: lit, without looking at texels.
     const F first = gather(nearest, shift_right<4>(iv) * whole(tiles) + shift_right<4>(iu));
-    asked = both(asked, first < at.z);
+    asked = both(asked, first < depth);
   }
   if (!any(asked)) return num(1);
   const F fu = tu - real(iu), fv = tv - real(iv);
@@ -195,25 +194,47 @@ REND_LANES F map_visibility(const MapView& map, const V3& at, M asked, const flo
   for (int j = 0; j < 4; ++j) {
     F sum = num(0);
     for (int i = 0; i < 4; ++i)
-      sum = sum + select(gather(map.depth + j * map.size + i, corner) < at.z, num(0), column[i]);
+      sum = sum + select(gather(map.depth + j * map.size + i, corner) < depth, num(0), column[i]);
     lit = lit + sum * line[j];
   }
   return lit * (1 / 9.0f);
 }
 
-/// Bilinear sample of one plane of the shadow levels; (u, v) in texels of level 0, `offset`, `size`
-/// of the level.
-REND_LANES F level_sample(const float* plane, F u, F v, F scale, I offset, I size) {
+/// Where a plane of the shadow levels is sampled and how its 3 x 3 texels weigh (quadratic
+/// B-spline: bilinear samples of coarse levels show their grid).
+struct Sample {
+  I at, size;
+  F column[3], line[3];
+};
+
+REND_LANES void spline_weights(F t, F* weights) {
+  const F before = 0.5f - t, after = 0.5f + t;
+  weights[0] = 0.5f * before * before;
+  weights[1] = 0.75f - t * t;
+  weights[2] = 0.5f * after * after;
+}
+
+/// (u, v) in texels of level 0; `offset`, `size` of the level.
+REND_LANES Sample place_sample(F u, F v, F scale, I offset, I size) {
   const F top = real(size) - 1.001f;
-  const F tu = minimum(maximum(u * scale - 0.5f, num(0)), top);
-  const F tv = minimum(maximum(v * scale - 0.5f, num(0)), top);
-  const I iu = minimum(truncate(tu), size - whole(2)), iv = minimum(truncate(tv), size - whole(2));
-  const F fu = tu - real(iu), fv = tv - real(iv);
-  const I at = offset + iv * size + iu, below = at + size;
-  const F a = gather(plane, at), b = gather(plane + 1, at);
-  const F c = gather(plane, below), d = gather(plane + 1, below);
-  const F upper = a + (b - a) * fu, lower = c + (d - c) * fu;
-  return upper + (lower - upper) * fv;
+  const F tu = minimum(maximum(u * scale, num(1)), top),
+          tv = minimum(maximum(v * scale, num(1)), top);
+  const I iu = truncate(tu), iv = truncate(tv);
+  Sample sample;
+  sample.at = offset + (iv - whole(1)) * size + iu - whole(1);
+  sample.size = size;
+  spline_weights(tu - real(iu) - 0.5f, sample.column);
+  spline_weights(tv - real(iv) - 0.5f, sample.line);
+  return sample;
+}
+
+REND_LANES F take_sample(const float* plane, const Sample& s) {
+  F sum = num(0);
+  I at = s.at;
+  for (int j = 0; j < 3; ++j, at = at + s.size)
+    sum = sum + s.line[j] * (s.column[0] * gather(plane, at) + s.column[1] * gather(plane + 1, at) +
+                             s.column[2] * gather(plane + 2, at));
+  return sum;
 }
 
 /// Key light on the floor: a shadow as sharp at the contact and as soft away from it as an area
@@ -221,24 +242,32 @@ REND_LANES F level_sample(const float* plane, F u, F v, F scale, I offset, I siz
 REND_LANES F floor_visibility(const LightFrame& f, const V3& p, M asked) {
   const V3 at = to_map(f.key, p);
   const ShadowLevels& levels = f.levels;
-  constexpr int kSearch = 4;
-  const F wide = level_sample(levels.mask, at.x, at.y, num(levels.scale[kSearch]),
-                              whole(levels.offset[kSearch]), whole(levels.size[kSearch]));
+  constexpr int kSearch = ShadowLevels::kCount - 1;
+  const Sample around = place_sample(at.x, at.y, num(levels.scale[kSearch]),
+                                     whole(levels.offset[kSearch]), whole(levels.size[kSearch]));
+  const F wide = take_sample(levels.mask, around);
   if (!any(both(asked, num(1e-4f) < wide))) return num(1);
-  const F blocker = level_sample(levels.blocker, at.x, at.y, num(levels.scale[kSearch]),
-                                 whole(levels.offset[kSearch]), whole(levels.size[kSearch])) *
-                    inverse(maximum(wide, num(1e-4f)));
+  const F blocker = take_sample(levels.blocker, around) * inverse(maximum(wide, num(1e-4f)));
   const F width = maximum(at.z - blocker, num(0)) * f.penumbra;
   F level = num(0);
   for (int k = 0; k < ShadowLevels::kCount - 1; ++k)
     level = level + clamp01((width - static_cast<float>(1 << k)) * levels.scale[k]);
   const I low = minimum(truncate(level), whole(ShadowLevels::kCount - 2)), high = low + whole(1);
   const F between = level - real(low);
-  const F a = level_sample(levels.mask, at.x, at.y, gather(levels.scale, low),
-                           gather(levels.offset, low), gather(levels.size, low));
-  const F b = level_sample(levels.mask, at.x, at.y, gather(levels.scale, high),
-                           gather(levels.offset, high), gather(levels.size, high));
+  const F a =
+      take_sample(levels.mask, place_sample(at.x, at.y, gather(levels.scale, low),
+                                            gather(levels.offset, low), gather(levels.size, low)));
+  const F b = take_sample(
+      levels.mask, place_sample(at.x, at.y, gather(levels.scale, high), gather(levels.offset, high),
+                                gather(levels.size, high)));
   return 1.0f - (a + (b - a) * between);
+}
+
+/// Ambient light on the floor, from the map made beforehand.
+REND_LANES F floor_openness(const LightFrame& f, const V3& p) {
+  const F u = p.x * f.ground_scale + f.ground_shift[0],
+          v = p.z * f.ground_scale + f.ground_shift[1];
+  return take_sample(f.ground, place_sample(u, v, num(1), whole(0), whole(f.ground_size)));
 }
 
 REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
@@ -257,21 +286,21 @@ REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
 
   const F z = select(mesh, linear_depth(f, window), floor_z);
   const V3 p = {ray.x * z + f.eye[0], ray.y * z + f.eye[1], ray.z * z + f.eye[2]};
-  const F open = f.sky ? num(1) : occlusion_at(f, x, y, z);
-
   if (any_floor) {
     const F dx = p.x - f.floor_center[0], dz = p.z - f.floor_center[2];
     const F fade = 1.0f - smoothstep01(minimum((dx * dx + dz * dz) * f.inverse_fade2, num(1)));
-    F ambient = open * open;
+    const F open = floor_openness(f, p);
+    F ambient = open;
     if (f.sky)
       ambient = map_visibility(*f.sky, to_map(*f.sky, p), on_floor, nullptr, 0) *
                 (2 * f.sky_direction[1]);
-    const F key = floor_visibility(f, p, on_floor) * (0.6f + 0.4f * open);
+    const F key = floor_visibility(f, p, on_floor) * (0.75f + 0.25f * open);
     lit.ambient = select(on_floor, 1.0f + (ambient - 1.0f) * fade, num(1));
     lit.key = select(on_floor, 1.0f + (key - 1.0f) * fade, num(1));
   }
   if (!any_mesh) return lit;
 
+  const F open = f.sky ? num(1) : occlusion_at(f, x, y, z);
   const I word = load(f.surface + y * f.stride + x);
   const I kind = shift_right<22>(word) & whole(3), entry = shift_right<22>(word) & whole(1023);
   const V3 n = decode_normal(word);
@@ -290,7 +319,7 @@ REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
   const F h2 = n_h * n_h, h4 = h2 * h2, h8 = h4 * h4, h16 = h8 * h8;
   const F gloss = gather(f.gloss, kind) * h16 * h8 * key;
   const F graze = 1.0f - n_eye, graze2 = graze * graze, graze5 = graze2 * graze2 * graze;
-  const F sheen = graze5 * gather(f.fresnel, kind);
+  const F shine = gather(f.fresnel, kind), sheen = graze5 * shine;
   const F rim = maximum(dot(n, f.rim_direction), num(0)) * (0.25f + 2.0f * graze5) * open;
 
   const F upward = 0.5f * n.y + 0.5f;
@@ -303,12 +332,13 @@ REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
         2.0f * n_sky * map_visibility(*f.sky, sky_at, both(mesh, num(0) < n_sky), nullptr, 0);
     from_floor = (1.0f - upward) * clamp01((p.y - f.floor) * (1.2f / f.occlusion_radius) + 0.15f);
   }
+  const F from_eye = n_eye * open;
   for (int c = 0; c < 3; ++c) {
     const F albedo = gather(f.albedo + 1024 * c, entry);
-    const F ambient = f.sky_color[c] * from_sky + f.bounce[c] * from_floor;
+    const F ambient = f.sky_color[c] * from_sky + f.bounce[c] * from_floor + f.fill[c] * from_eye;
     lit.color[c] = select(mesh,
                           albedo * (ambient + f.key_color[c] * key) + f.key_color[c] * gloss +
-                              f.rim[c] * rim * (albedo * 0.6f + 0.15f) + ambient * sheen,
+                              f.rim[c] * rim * (albedo * 0.6f + shine * 0.5f) + ambient * sheen,
                           num(0));
   }
   lit.cover = select(mesh, num(1), num(0));
@@ -409,7 +439,7 @@ REND_LANES void smooth_edge_rows(const LightFrame& f, int begin, int end) {
       const F range = high - low;
       const F column = ramp(static_cast<float>(x));
       const M inside = both(num(0.5f) < column, column < num(static_cast<float>(f.width) - 1.5f));
-      const M edge = both(inside, maximum(num(8), high * 0.10f) < range);
+      const M edge = both(inside, maximum(num(4), high * 0.03f) < range);
       if (!any(edge)) {
         store(word, f.smooth + y * f.stride + x);
         continue;

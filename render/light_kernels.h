@@ -17,7 +17,7 @@ struct MapView {
 /// Blurred silhouettes of the casters for soft shadows on the floor: level k has size >> k texels a
 /// side.
 struct ShadowLevels {
-  static constexpr int kCount = 6;
+  static constexpr int kCount = 5;
   const float* mask;     ///< share of a texel's neighbourhood that casts
   const float* blocker;  ///< mask times map depth
   float scale[kCount];   ///< 2^-k
@@ -40,10 +40,13 @@ struct LightFrame {
   const float* nearest;  ///< per tile: nearest depth in it and its neighbours
   int tiles;
   ShadowLevels levels;
-  const MapView* sky;  ///< nullptr: ambient occlusion from the half-size plane
+  const float* ground;  ///< openness of the floor, ground_size squared
+  int ground_size;
+  float ground_scale, ground_shift[2];  ///< texel = ground_scale * (x, z) + ground_shift
+  const MapView* sky;                   ///< nullptr: ambient occlusion from the half-size plane
 
   float key_direction[3], rim_direction[3], sky_direction[3];
-  float key_color[3], rim[3], sky_color[3], bounce[3];
+  float key_color[3], rim[3], sky_color[3], bounce[3], fill[3];
   float exposure;
   float backdrop_center[3], backdrop_edge[3], floor_ambient[3];
   int has_floor;

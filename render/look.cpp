@@ -31,10 +31,11 @@ Look make_look(const DrawList& list, const View& view, const Vec3f& center, floa
   look.key_direction = studio_direction(view, 0.72f, 1.0f, 0.35f);
   look.rim_direction = studio_direction(view, -0.63f, 0.40f, -0.73f);
   look.sky_direction = Vec3f(0, 1, 0);
-  look.key = dark ? Rgb{1.62f, 1.53f, 1.40f} : Rgb{1.50f, 1.42f, 1.30f};
+  look.key = dark ? Rgb{1.80f, 1.66f, 1.44f} : Rgb{1.85f, 1.70f, 1.46f};
   look.rim = dark ? Rgb{0.42f, 0.50f, 0.62f} : Rgb{0.34f, 0.40f, 0.48f};
-  look.sky = dark ? Rgb{0.24f, 0.27f, 0.32f} : Rgb{0.46f, 0.49f, 0.54f};
-  look.bounce = dark ? Rgb{0.075f, 0.075f, 0.08f} : Rgb{0.27f, 0.25f, 0.23f};
+  look.sky = dark ? Rgb{0.24f, 0.27f, 0.32f} : Rgb{0.44f, 0.46f, 0.50f};
+  look.bounce = dark ? Rgb{0.075f, 0.075f, 0.08f} : Rgb{0.25f, 0.23f, 0.205f};
+  look.fill = dark ? Rgb{0.07f, 0.07f, 0.07f} : Rgb{0.10f, 0.095f, 0.09f};
   look.exposure = 0.78f;
   look.backdrop_center = hex_color(dark ? 0x2e3339 : 0xf7f7f6);
   look.backdrop_edge = hex_color(dark ? 0x191c20 : 0xd5d8db);
@@ -46,7 +47,7 @@ Look make_look(const DrawList& list, const View& view, const Vec3f& center, floa
   look.occlusion_radius = std::min(0.36f * view.half_height, 0.36f * radius);
 
   look.gloss = {0.10f, 0.02f, 0.05f, 0.10f};
-  look.fresnel = {0.30f, 0.12f, 0.20f, 0.22f};
+  look.fresnel = {0.30f, 0.07f, 0.20f, 0.22f};
 
   look.albedo.resize(1024);
   const Coloring& coloring = list.coloring;
@@ -56,7 +57,7 @@ Look make_look(const DrawList& list, const View& view, const Vec3f& center, floa
     const Rgb field =
         to_linear(coloring.map == ColorMap::pieces ? piece_color(i) : ramp_color(coloring.map, t));
     look.albedo[static_cast<std::size_t>(4 * i)] = field;
-    look.albedo[static_cast<std::size_t>(4 * i + 1)] = scaled(crack, 1.18f - 0.30f * t);
+    look.albedo[static_cast<std::size_t>(4 * i + 1)] = scaled(crack, 1.28f - 0.30f * t);
     look.albedo[static_cast<std::size_t>(4 * i + 2)] = grip;
     look.albedo[static_cast<std::size_t>(4 * i + 3)] = field;
   }

@@ -14,6 +14,7 @@ using Rgb = std::array<float, 3>;
 struct Look {
   Vec3f key_direction, rim_direction, sky_direction;  ///< unit, towards the light
   Rgb key{}, rim{}, sky{}, bounce{};                  ///< radiance
+  Rgb fill{};                                         ///< weak light from the camera
   float key_radius = 0.08f;  ///< half angle of the key light [rad], for soft shadows
   float exposure = 0.9f;
   Rgb backdrop_center{}, backdrop_edge{};

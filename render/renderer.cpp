@@ -164,13 +164,14 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
   }
   Look look = make_look(list, view, casters.center(), casters.radius());
 
+  const GroundMap ground = make_ground_map(mesh, points, point_radius, list.floor, casters);
   State& s = *state_;
   s.raster.upload(mesh, points, point_radius);
   Image image;
   if (options.accumulate == 1) {
     s.draw_key(casters, kLiveMap, look);
     s.raster.draw(view, s.picture);
-    image = light(s.picture, view, s.key, look);
+    image = light(s.picture, view, s.key, ground, look);
   } else {
     LightSum sum;
     const Look open = look;
@@ -195,7 +196,7 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
       s.sky.size = kLiveMap;
       s.raster.draw_depth(make_box(look.sky_direction, casters), s.sky);
       s.raster.draw(view, s.picture);
-      sum.add(s.picture, view, s.key, s.sky, look);
+      sum.add(s.picture, view, s.key, ground, s.sky, look);
     }
     image = sum.image(open);
   }

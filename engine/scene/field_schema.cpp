@@ -76,17 +76,16 @@ JsonValue FieldSchema::schema() const {
   JsonValue schema = typed("object");
   schema.add("properties", properties_);
   if (!required_.empty()) schema.add("required", names_list(required_));
-  if (!exclusive_.empty()) {
-    JsonValue pairs = JsonValue::list();
-    for (const auto& [first, second] : exclusive_) {
-      JsonValue both = JsonValue::object();
-      both.add("required", names_list({first, second}));
-      JsonValue refused = JsonValue::object();
-      refused.add("not", std::move(both));
-      pairs.items.push_back(std::move(refused));
+  JsonValue dependent = JsonValue::object();
+  for (const auto& [first, second] : exclusive_) {
+    JsonValue* refused = dependent.find(first);
+    if (!refused) {
+      refused = &dependent.add(first, typed("object"));
+      refused->add("properties", JsonValue::object());
     }
-    schema.add("allOf", std::move(pairs));
+    refused->find("properties")->add(second, JsonValue::of(false));
   }
+  if (!exclusive_.empty()) schema.add("dependentSchemas", std::move(dependent));
   schema.add("additionalProperties", JsonValue::of(false));
   return schema;
 }

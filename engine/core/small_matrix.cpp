@@ -36,7 +36,7 @@ SymmetricEigen symmetric_eigen(const Mat3& A) {
   for (int sweep = 0; sweep < 12; ++sweep) {
     const Real off = std::fabs(a(0, 1)) + std::fabs(a(0, 2)) + std::fabs(a(1, 2));
     const Real diagonal = std::fabs(a(0, 0)) + std::fabs(a(1, 1)) + std::fabs(a(2, 2));
-    if (!(off > 1e-18 * diagonal)) break;
+    if (!(off > 1e-16 * diagonal)) break;
     rotate<0, 1, 2>(a, U);
     rotate<0, 2, 1>(a, U);
     rotate<1, 2, 0>(a, U);

@@ -3,6 +3,8 @@
 
 #include "engine/scene/scene_desc.h"
 
+#include <Eigen/Geometry>
+
 namespace rend {
 
 /// Pose and velocity of a rigid body at one time.

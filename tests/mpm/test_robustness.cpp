@@ -127,6 +127,20 @@ TEST_CASE("a step that is too long stops with a reason instead of a crash") {
   CHECK(solver.snapshot().report.kinetic_energy < 1e300);
 }
 
+TEST_CASE("a particle that crosses more than a cell in a step is too fast") {
+  SceneDesc scene = plain_scene();
+  scene.solver.time_step = 0.01;
+  for (Real speed : {95.0, 105.0}) {
+    LatticeModel one;
+    one.add_box(Vec3::Zero(), Vec3i(1, 1, 1), 0.5, Vec3(0, speed, 0));
+    ReferenceSolver solver(scene, one.model);
+    const FrameReport r = solver.advance(0.05);
+    CHECK((r.status == Status::too_fast) == (speed > 100));
+    if (speed > 100) CHECK(r.culprit == 0);
+    if (speed > 100) CHECK(solver.particles().x[0] == one.model.X[0]);
+  }
+}
+
 TEST_CASE("leaving the domain is a status in every direction") {
   const Real edge = BlockGrid::kLimit - 10.0;
   for (int n = 0; n < 27; ++n) {

@@ -181,6 +181,7 @@ Response get_picture(const ApiContext& context, const Request& request) {
                  {"X-Frame", std::to_string(frame.snapshot->frame)},
                  {"X-Frames", std::to_string(state.last_frame)},
                  {"X-Time", fmt::format("{}", frame.snapshot->time)},
+                 {"X-Legend", fmt::format("{};{};{}", picture->low, picture->high, picture->caption)},
                  {"Cache-Control", "no-store"}}};
       }
     }
@@ -240,6 +241,9 @@ Response get_thumbnail(const ApiContext& context, const Request& request) {
   View view = default_view(state.stage->scene);
   view.width = 320;
   view.height = 200;
+  view.legend = false;
+  const auto theme = request.query.find("theme");
+  if (theme != request.query.end() && theme->second == "dark") view.theme = Theme::dark;
   const std::string frame_key =
       fmt::format("{}-{}-{}", state.data, recorded->frame.snapshot->frame, state.scene_name);
   const auto picture = context.pictures.picture(frame_key, state.stage, recorded->frame, view, PictureFormat::jpeg);

@@ -81,6 +81,7 @@ View PictureQuery::view(const Stage& stage) const {
   if ((v.camera.eye - v.camera.target).norm() < 1e-9) throw Error("eye", "must differ from target");
   v.color_by = one_of(text, "color", v.color_by, color_names());
   v.particles = one_of(text, "mode", v.particles ? "particles" : "surface", {"surface", "particles"}) == "particles";
+  v.legend = one_of(text, "legend", "1", {"0", "1"}) == "1";
   v.theme = one_of(text, "theme", "light", {"light", "dark"}) == "dark" ? Theme::dark : Theme::light;
   return v;
 }

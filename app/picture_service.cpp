@@ -110,7 +110,11 @@ void PictureService::run(GlBackend backend) {
     std::string failure;
     try {
       const double start = now();
-      const Drawing drawing = make_drawing(*job->stage, job->frame, job->view);
+      Drawing drawing = make_drawing(*job->stage, job->frame, job->view);
+      picture->caption = drawing.list.coloring.caption;
+      picture->low = drawing.list.coloring.low;
+      picture->high = drawing.list.coloring.high;
+      if (!job->view.legend) drawing.list.coloring.caption.clear();
       const Image image =
           renderer->draw(drawing.list, job->view.camera, {job->view.width, job->view.height, job->view.accumulate});
       const double drawn = now();

@@ -21,6 +21,8 @@ enum class PictureFormat { jpeg, jpeg_still, png };
 /// Encoded bytes of one view of one frame.
 struct Picture {
   std::string bytes;
+  std::string caption;      ///< of the colour scale, with its unit; empty without one
+  float low = 0, high = 1;  ///< ends of the colour scale, in that unit
   double render_seconds = 0, encode_seconds = 0;
 };
 

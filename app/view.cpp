@@ -76,9 +76,9 @@ Coloring make_coloring(const std::string& color_by, Fields fields) {
 }  // namespace
 
 std::string View::key() const {
-  return fmt::format("{}x{} {} {} {} {} {} {} {} {} {} {} {} {}", width, height, color_by, particles,
+  return fmt::format("{}x{} {} {} {} {} {} {} {} {} {} {} {} {} {}", width, height, color_by, particles,
                      static_cast<int>(theme), accumulate, camera.eye.x(), camera.eye.y(), camera.eye.z(),
-                     camera.target.x(), camera.target.y(), camera.target.z(), camera.fov, camera.up.y());
+                     camera.target.x(), camera.target.y(), camera.target.z(), camera.fov, camera.up.y(), legend);
 }
 
 View default_view(const SceneDesc& scene) {

@@ -17,6 +17,7 @@ struct View {
   bool particles = false;
   Theme theme = Theme::light;
   int accumulate = 1;               ///< passes, see DrawOptions
+  bool legend = true;               ///< drawn into the picture; the page writes its own from X-Legend
 
   /// Equal views give equal keys.
   std::string key() const;

@@ -9,14 +9,28 @@ if (artifacts) mkdirSync(artifacts, { recursive: true });
 
 export const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+  args: [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+  ],
 });
 
 /// {page, troubles, close()}: `troubles` collects console errors, page errors and requests to elsewhere.
-export async function open_page(url, { width = 1440, height = 900, scheme = "light", calm = false, touch = false } = {}) {
+export async function open_page(
+  url,
+  { width = 1440, height = 900, scheme = "light", calm = false, touch = false } = {},
+) {
   const context = await browser.newContext({
-    viewport: { width, height }, colorScheme: scheme, reducedMotion: calm ? "reduce" : "no-preference", hasTouch: touch,
+    viewport: { width, height },
+    colorScheme: scheme,
+    reducedMotion: calm ? "reduce" : "no-preference",
+    hasTouch: touch,
     acceptDownloads: true,
   });
   const page = await context.newPage();
@@ -28,7 +42,8 @@ export async function open_page(url, { width = 1440, height = 900, scheme = "lig
   page.on("pageerror", (error) => troubles.push(`page: ${error.message}`));
   page.on("request", (request) => {
     const { protocol, origin } = new URL(request.url());
-    if (protocol.startsWith("http") && origin !== new URL(url).origin) troubles.push(`foreign: ${request.url()}`);
+    if (protocol.startsWith("http") && origin !== new URL(url).origin)
+      troubles.push(`foreign: ${request.url()}`);
   });
   await page.goto(url);
   return { page, troubles, close: () => context.close() };

@@ -24,18 +24,23 @@ test("a dragged slider sends one change at a time and the newest wins", async ()
     const box = await page.locator(".hero .slider").boundingBox();
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
+    const start = Date.now();
     for (let i = 1; i <= 30; i++) {
-      await page.mouse.move(box.x + box.width * (.5 + .4 * i / 30), box.y + box.height / 2);
+      await page.mouse.move(box.x + box.width * (0.5 + (0.4 * i) / 30), box.y + box.height / 2);
       await page.waitForTimeout(12);
     }
     await page.mouse.up();
     const shown = Number(await page.locator(".hero .number input").inputValue()) * 1e3;
     await until("the final value", () => value_of(run, "tau_c") === shown);
     await settled(page, 400);
-    assert.ok(run.patches.length < 12, `${run.patches.length} requests for 30 moves`);
+    const most = (Date.now() - start) / (120 + 50) + 2;
+    assert.ok(run.patches.length <= most, `${run.patches.length} requests, ${most} have time`);
     assert.equal(run.most_patches_in_flight, 1);
     const order = run.patches.map(({ seq }) => seq);
-    assert.deepEqual(order, [...order].sort((a, b) => a - b));
+    assert.deepEqual(
+      order,
+      [...order].sort((a, b) => a - b),
+    );
     assert.equal(await page.locator("#undo-button").isEnabled(), true);
     await page.keyboard.press("Control+z");
     await until("one undo takes the whole drag back", () => value_of(run, "tau_c") === 2e4);
@@ -46,7 +51,10 @@ test("a dragged slider sends one change at a time and the newest wins", async ()
 test("typed values: units, comma, prefix, and a refusal that keeps the old value", async () => {
   await with_page(async (page, run) => {
     const input = page.locator(".hero .number input");
-    const type = async (text) => { await input.fill(text); await input.press("Enter"); };
+    const type = async (text) => {
+      await input.fill(text);
+      await input.press("Enter");
+    };
     await type("35");
     await until("35 kPa", () => value_of(run, "tau_c") === 35000);
     await type("12,5");
@@ -80,7 +88,10 @@ test("keys in a slider, and a double click for the default", async () => {
     const hero = page.locator(".hero .slider");
     await hero.focus();
     await page.keyboard.press("Shift+ArrowRight");
-    await until("a small step moves too", () => value_of(run, "tau_c") > 20000 && value_of(run, "tau_c") < 20500);
+    await until(
+      "a small step moves too",
+      () => value_of(run, "tau_c") > 20000 && value_of(run, "tau_c") < 20500,
+    );
   });
 });
 
@@ -89,7 +100,7 @@ test("a held slider is not moved by the server, a free one is", async () => {
     const box = await page.locator(".hero .slider").boundingBox();
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
-    await page.mouse.move(box.x + box.width * .7, box.y + box.height / 2, { steps: 4 });
+    await page.mouse.move(box.x + box.width * 0.7, box.y + box.height / 2, { steps: 4 });
     const held = await page.locator(".hero .number input").inputValue();
     await settled(page);
     run.parameters[0].value = 3000;
@@ -97,8 +108,10 @@ test("a held slider is not moved by the server, a free one is", async () => {
     run.set({ status: "preparing" });
     await page.locator("#preparing").waitFor();
     run.set({ status: "paused" });
-    await until("the other follows", async () =>
-      await page.getByRole("textbox", { name: "Softening" }).inputValue() === "300");
+    await until(
+      "the other follows",
+      async () => (await page.getByRole("textbox", { name: "Softening" }).inputValue()) === "300",
+    );
     assert.equal(await page.locator(".hero .number input").inputValue(), held);
     await page.mouse.up();
   });
@@ -109,7 +122,9 @@ test("view settings reach the picture, can be undone, and change the legend", as
     const last = () => run.frame_requests.at(-1);
     await page.locator("#color").selectOption("stress");
     await until("stress", () => last().color === "stress");
-    await until("its range", async () => /kPa/.test(await page.locator("#legend-caption").textContent()));
+    await until("its range", async () =>
+      /kPa/.test(await page.locator("#legend-caption").textContent()),
+    );
     assert.deepEqual(await page.locator("#legend-ends b").allTextContents(), ["0", "10", "20"]);
     await page.getByRole("radio", { name: "Particles" }).check({ force: true });
     await until("particles", () => last().mode === "particles");
@@ -123,30 +138,45 @@ test("view settings reach the picture, can be undone, and change the legend", as
 
 test("scenes load from the gallery with their thumbnails", async () => {
   await with_page(async (page, run) => {
-    await until("thumbnails", async () => await page.locator(".scene img").count() === 5);
+    await until("thumbnails", async () => (await page.locator(".scene img").count()) === 5);
     await page.locator(".scene", { hasText: "Twisted bar" }).click();
     await until("the scene", () => run.scene === "twist");
-    await until("its name", async () => await page.locator("#scene-title").textContent() === "Twisted bar");
-    assert.equal(await page.locator(".scene[aria-current=true] .title").textContent(), "Twisted bar");
+    await until(
+      "its name",
+      async () => (await page.locator("#scene-title").textContent()) === "Twisted bar",
+    );
+    assert.equal(
+      await page.locator(".scene[aria-current=true] .title").textContent(),
+      "Twisted bar",
+    );
     assert.equal(await page.title(), "rend: Twisted bar");
   });
 });
 
 test("a mesh by drop is sent and opened, a bad one refused with its reason", async () => {
   await with_page(async (page, run, { troubles }) => {
-    const drop = (name, text) => page.evaluate(([file_name, content]) => {
-      const carried = new DataTransfer();
-      carried.items.add(new File([content], file_name));
-      for (const kind of ["dragover", "drop"]) {
-        document.querySelector("main").dispatchEvent(
-          new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: carried }));
-      }
-    }, [name, text]);
+    const drop = (name, text) =>
+      page.evaluate(
+        ([file_name, content]) => {
+          const carried = new DataTransfer();
+          carried.items.add(new File([content], file_name));
+          for (const kind of ["dragover", "drop"]) {
+            document
+              .querySelector("main")
+              .dispatchEvent(
+                new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: carried }),
+              );
+          }
+        },
+        [name, text],
+      );
     await drop("duck.obj", "v 0 0 0");
     await until("loaded", () => run.scene === "duck");
     assert.deepEqual(troubles, []);
     await drop("open.stl", "a hole");
-    await until("refused", async () => /3 holes/.test(await page.locator("#upload-note").textContent()));
+    await until("refused", async () =>
+      /3 holes/.test(await page.locator("#upload-note").textContent()),
+    );
     assert.equal(run.scene, "duck");
     assert.equal(await page.locator("#veil").isVisible(), false);
   });
@@ -155,7 +185,7 @@ test("a mesh by drop is sent and opened, a bad one refused with its reason", asy
 test("downloads: picture, mesh and table", async () => {
   await with_page(async (page, run) => {
     run.set({ frame: 31 });
-    await until("frame 31", async () => await page.locator("#read-frame").textContent() === "31");
+    await until("frame 31", async () => (await page.locator("#read-frame").textContent()) === "31");
     await settled(page, 1500);
     const download = async (click) => {
       const [file] = await Promise.all([page.waitForEvent("download"), click()]);
@@ -179,6 +209,9 @@ test("folded panels are remembered", async () => {
     await page.locator("#gallery-button").click();
     assert.equal(await page.locator("#gallery-button").getAttribute("aria-expanded"), "false");
     await page.reload();
-    assert.equal(await page.locator("body").evaluate((node) => node.classList.contains("slim")), true);
+    assert.equal(
+      await page.locator("body").evaluate((node) => node.classList.contains("slim")),
+      true,
+    );
   });
 });

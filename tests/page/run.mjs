@@ -9,7 +9,9 @@ let mock;
 if (real_url) {
   core_tests(() => real_url, "real-");
 } else {
-  before(async () => { mock = await start_mock(); });
+  before(async () => {
+    mock = await start_mock();
+  });
   core_tests(() => mock.url, "core-");
   await import("./time_tests.mjs");
   await import("./control_tests.mjs");

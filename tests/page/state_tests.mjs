@@ -8,53 +8,96 @@ import { start_mock } from "./mock_server.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
-const WINDOWS = [[360, 740], [768, 1024], [1024, 768], [1440, 900]];
+const WINDOWS = [
+  [360, 740],
+  [768, 1024],
+  [1024, 768],
+  [1440, 900],
+];
 const REASON = {
-  status: "time_step", frame: 71,
+  status: "time_step",
+  frame: 71,
   text: "A particle moved 1.8 cells in one step, more than the 0.6 that is stable.",
 };
 
 /// [name, enter, leave]: each starts from frame 74, paused.
 const STATES = [
   ["paused", async () => {}],
-  ["playing", async (page, run) => {
-    run.set({ status: "playing" });
-    await page.locator("#mode.live").waitFor({ state: "attached" });
-  }, async (page, run) => run.set({ status: "paused" })],
-  ["stopped", async (page, run) => {
-    run.set({ status: "stopped", frame: 70, reason: REASON });
-    await page.locator("#stopped").waitFor();
-  }, async (page, run) => run.set({ status: "paused", frame: 74, reason: null })],
-  ["preparing", async (page, run) => {
-    run.set({ status: "preparing", progress: { stage: "mesh", share: .4 } });
-    await page.locator("#preparing").waitFor();
-  }, async (page, run) => run.set({ status: "paused", progress: null })],
-  ["recorded", async (page) => {
-    await page.locator("#scrub").fill("40");
-    await page.locator("#newest-button").waitFor({ state: "attached" });
-  }, async (page) => page.keyboard.press("End")],
-  ["help", async (page) => {
-    await page.locator("#help-button").click();
-    await page.locator("#help").waitFor();
-  }, async (page) => page.keyboard.press("Escape")],
-  ["export", async (page) => {
-    await page.locator("#export-button").click();
-    await page.locator("#export").waitFor();
-  }, async (page) => page.keyboard.press("Escape")],
-  ["drop", async (page) => page.evaluate(() => { document.querySelector("#veil").hidden = false; }),
-    async (page) => page.evaluate(() => { document.querySelector("#veil").hidden = true; })],
+  [
+    "playing",
+    async (page, run) => {
+      run.set({ status: "playing" });
+      await page.locator("#mode.live").waitFor({ state: "attached" });
+    },
+    async (page, run) => run.set({ status: "paused" }),
+  ],
+  [
+    "stopped",
+    async (page, run) => {
+      run.set({ status: "stopped", frame: 70, reason: REASON });
+      await page.locator("#stopped").waitFor();
+    },
+    async (page, run) => run.set({ status: "paused", frame: 74, reason: null }),
+  ],
+  [
+    "preparing",
+    async (page, run) => {
+      run.set({ status: "preparing", progress: { stage: "mesh", share: 0.4 } });
+      await page.locator("#preparing").waitFor();
+    },
+    async (page, run) => run.set({ status: "paused", progress: null }),
+  ],
+  [
+    "recorded",
+    async (page) => {
+      await page.locator("#scrub").fill("40");
+      await page.locator("#newest-button").waitFor({ state: "attached" });
+    },
+    async (page) => page.keyboard.press("End"),
+  ],
+  [
+    "help",
+    async (page) => {
+      await page.locator("#help-button").click();
+      await page.locator("#help").waitFor();
+    },
+    async (page) => page.keyboard.press("Escape"),
+  ],
+  [
+    "export",
+    async (page) => {
+      await page.locator("#export-button").click();
+      await page.locator("#export").waitFor();
+    },
+    async (page) => page.keyboard.press("Escape"),
+  ],
+  [
+    "drop",
+    async (page) =>
+      page.evaluate(() => {
+        document.querySelector("#veil").hidden = false;
+      }),
+    async (page) =>
+      page.evaluate(() => {
+        document.querySelector("#veil").hidden = true;
+      }),
+  ],
   ["scenes", (page) => press_tab(page, "scenes"), (page) => press_tab(page, "material")],
   ["view", (page) => press_tab(page, "view"), (page) => press_tab(page, "material")],
   ["plots", (page) => press_tab(page, "plots"), (page) => press_tab(page, "material")],
-  ["lost", async (page, run) => {
-    run.down = true;
-    run.changed();
-    await page.locator("#lost").waitFor();
-  }, async (page, run) => {
-    run.down = false;
-    await page.locator("#lost-retry").evaluate((button) => button.click());
-    await page.locator("#lost").waitFor({ state: "hidden" });
-  }],
+  [
+    "lost",
+    async (page, run) => {
+      run.down = true;
+      run.changed();
+      await page.locator("#lost").waitFor();
+    },
+    async (page, run) => {
+      run.down = false;
+      await page.locator("#lost-retry").evaluate((button) => button.click());
+      await page.locator("#lost").waitFor({ state: "hidden" });
+    },
+  ],
 ];
 
 async function press_tab(page, name) {
@@ -64,30 +107,51 @@ async function press_tab(page, name) {
 
 /// Dark and light differ in colours only, so dark is looked at for contrast alone.
 async function violations_of(page, scheme) {
-  const only = scheme === "dark" ? { type: "rule", values: ["color-contrast"] } : { type: "tag", values: TAGS };
+  const only =
+    scheme === "dark"
+      ? { type: "rule", values: ["color-contrast"] }
+      : { type: "tag", values: TAGS };
   return page.evaluate(async (runOnly) => {
     const { violations } = await axe.run(document, { runOnly, resultTypes: ["violations"] });
-    return violations.map(({ id, nodes }) =>
-      `${id}: ${nodes.map(({ target, failureSummary }) => `${target} ${failureSummary.split("\n")[1] ?? ""}`).join(" | ")}`);
+    return violations.map(
+      ({ id, nodes }) =>
+        `${id}: ${nodes.map(({ target, failureSummary }) => `${target} ${failureSummary.split("\n")[1] ?? ""}`).join(" | ")}`,
+    );
   }, only);
 }
 
 /// Visible controls that stick out of the window on the left or right.
-const outside = (page) => page.evaluate(() => [...document.querySelectorAll("button, input, select, b, h1, h2, p")]
-  .filter((node) => node.checkVisibility?.({ checkVisibilityCSS: true, checkOpacity: true }))
-  .map((node) => [node, node.getBoundingClientRect()])
-  .filter(([, box]) => box.width > 1 && (box.left < -1 || box.right > innerWidth + 1))
-  .map(([node, box]) => `${node.id || node.className || node.textContent.slice(0, 20)} ${box.left}..${box.right}`));
+const outside = (page) =>
+  page.evaluate(() =>
+    [...document.querySelectorAll("button, input, select, b, h1, h2, p")]
+      .filter((node) => node.checkVisibility?.({ checkVisibilityCSS: true, checkOpacity: true }))
+      .map((node) => [node, node.getBoundingClientRect()])
+      .filter(([, box]) => box.width > 1 && (box.left < -1 || box.right > innerWidth + 1))
+      .map(
+        ([node, box]) =>
+          `${node.id || node.className || node.textContent.slice(0, 20)} ${box.left}..${box.right}`,
+      ),
+  );
 
 for (const [width, height] of WINDOWS) {
   for (const scheme of ["light", "dark"]) {
     test(`${width} x ${height}, ${scheme}: every state is accessible and inside the window`, async () => {
       const mock = await start_mock();
       Object.assign(mock.run, { frame: 74 });
-      const { page, troubles, close } = await open_page(mock.url, { width, height, scheme, calm: true });
+      const { page, troubles, close } = await open_page(mock.url, {
+        width,
+        height,
+        scheme,
+        calm: true,
+      });
       try {
         await page.evaluate(AXE);
-        await until("ready", async () => await page.locator(".scene img").count() === 5 && await page.locator(".hero").count());
+        await until(
+          "ready",
+          async () =>
+            (await page.locator(".scene img").count()) === 5 &&
+            (await page.locator(".hero").count()),
+        );
         const found = [];
         for (const [name, enter, leave] of STATES) {
           const tabbed = ["scenes", "view", "plots"].includes(name);
@@ -95,8 +159,10 @@ for (const [width, height] of WINDOWS) {
           if (name === "lost") assert.deepEqual(troubles, []);
           await enter(page, mock.run);
           await settled(page, 150);
-          for (const violation of await violations_of(page, scheme)) found.push(`${name}: ${violation}`);
-          for (const node of await outside(page)) found.push(`${name}: outside the window: ${node}`);
+          for (const violation of await violations_of(page, scheme))
+            found.push(`${name}: ${violation}`);
+          for (const node of await outside(page))
+            found.push(`${name}: outside the window: ${node}`);
           await picture_of(page, `${width}-${scheme}-${name}`);
           await leave?.(page, mock.run);
         }
@@ -113,37 +179,59 @@ for (const [width, height] of WINDOWS) {
 
 test("the picture is at least half of a desktop window and 40 % of a phone's", async () => {
   const mock = await start_mock();
-  for (const [[width, height], least] of [[[1440, 900], .5], [[768, 1024], .48], [[360, 740], .38]]) {
+  for (const [[width, height], least] of [
+    [[1440, 900], 0.5],
+    [[768, 1024], 0.48],
+    [[360, 740], 0.38],
+  ]) {
     const { page, close } = await open_page(mock.url, { width, height, calm: true });
     await until("parameters", () => page.locator(".hero").count());
     const box = await page.locator(".stage").boundingBox();
-    assert.ok(box.width * box.height / (width * height) >= least, `${width}: ${box.width} x ${box.height}`);
+    assert.ok(
+      (box.width * box.height) / (width * height) >= least,
+      `${width}: ${box.width} x ${box.height}`,
+    );
     await close();
   }
   await mock.close();
 });
 
 test("a stopped run names its frame and offers ways out; losing the server keeps the picture", async () => {
-  const mock = await start_mock(), { run } = mock;
+  const mock = await start_mock(),
+    { run } = mock;
   run.frame = 74;
   const { page, close } = await open_page(mock.url, { calm: true });
   await until("parameters", () => page.locator(".hero").count());
   run.set({ status: "stopped", frame: 70, reason: REASON });
   await page.locator("#stopped").waitFor();
-  assert.match(await page.locator("#stopped").textContent(), /stopped at frame 71.*1\.8 cells.*Frame 70 is the last good one/s);
+  assert.match(
+    await page.locator("#stopped").textContent(),
+    /stopped at frame 71.*1\.8 cells.*Frame 70 is the last good one/s,
+  );
   await page.getByRole("button", { name: "Halve the time step, start again" }).click();
-  await until("a reset with half the step", () => run.frame === 0 &&
-    run.parameters.find(({ id }) => id === "cfl").value === .3);
+  await until(
+    "a reset with half the step",
+    () => run.frame === 0 && run.parameters.find(({ id }) => id === "cfl").value === 0.3,
+  );
   await page.locator("#stopped").waitFor({ state: "hidden" });
   run.down = true;
   run.changed();
   await page.locator("#lost").waitFor();
-  assert.match(await page.locator("#lost").textContent(), /Connection lost\. This is frame 0\.\s*Trying again in \d s/);
-  assert.equal(await page.locator("#picture").evaluate((canvas) => canvas.classList.contains("empty")), false);
+  assert.match(
+    await page.locator("#lost").textContent(),
+    /Connection lost\. This is frame 0\.\s*Trying again in \d s/,
+  );
+  assert.equal(
+    await page.locator("#picture").evaluate((canvas) => canvas.classList.contains("empty")),
+    false,
+  );
   run.down = false;
   run.set({ frame: 9 });
   await page.locator("#lost").waitFor({ state: "hidden" });
-  await until("the newest frame", async () => await page.locator("#read-frame").textContent() === "9");
+  await until(
+    "the newest frame",
+    async () => (await page.locator("#read-frame").textContent()) === "9",
+  );
   await close();
   await mock.close();
 });

@@ -32,7 +32,11 @@ test("starts by itself, but not for who asked for less motion", async () => {
     await page.reload();
     await until("parameters", () => page.locator(".hero").count());
     await settled(page, 600);
-    assert.equal(run.actions.filter(({ name }) => name === "play").length, plays, "a reload does not start a paused run");
+    assert.equal(
+      run.actions.filter(({ name }) => name === "play").length,
+      plays,
+      "a reload does not start a paused run",
+    );
   });
 });
 
@@ -78,17 +82,17 @@ test("Space in a typed value does not play", async () => {
 test("keys move in time, and the switch turns single keys off", async () => {
   await with_page({ run: { frame: 40 } }, async (page, run) => {
     await page.keyboard.press("ArrowLeft");
-    await until("39", async () => await frame_of(page) === 39);
+    await until("39", async () => (await frame_of(page)) === 39);
     await page.keyboard.press("Shift+ArrowLeft");
-    await until("29", async () => await frame_of(page) === 29);
+    await until("29", async () => (await frame_of(page)) === 29);
     await page.keyboard.press("Shift+ArrowRight");
-    await until("39", async () => await frame_of(page) === 39);
+    await until("39", async () => (await frame_of(page)) === 39);
     await page.keyboard.press("Home");
-    await until("0", async () => await frame_of(page) === 0);
+    await until("0", async () => (await frame_of(page)) === 0);
     await page.keyboard.press("End");
-    await until("40", async () => await frame_of(page) === 40);
+    await until("40", async () => (await frame_of(page)) === 40);
     await page.keyboard.press("ArrowRight");
-    await until("41", async () => await frame_of(page) === 41);
+    await until("41", async () => (await frame_of(page)) === 41);
     assert.deepEqual(run.actions, [{ name: "step", frames: 1 }]);
     await page.keyboard.press("l");
     assert.equal(await page.locator("#loop-button").getAttribute("aria-pressed"), "true");
@@ -110,40 +114,46 @@ test("keys move in time, and the switch turns single keys off", async () => {
 });
 
 test("replay runs through recorded frames and then goes on live", async () => {
-  await with_page({ run: { frame: 12 } }, async (page, run) => {
+  await with_page({ run: { frame: 60 } }, async (page, run) => {
     await page.keyboard.press("Home");
     await page.locator("#play-button").click();
     await until("replay", async () => /Replay/.test(await page.locator("#mode").textContent()));
     assert.equal(run.status, "paused", "recorded frames need no simulation");
     await until("live", () => run.status === "playing");
-    await until("new frames", async () => await frame_of(page) > 12);
+    await until("new frames", async () => (await frame_of(page)) > 60);
   });
 });
 
 test("Play at the very end starts again from the record, with Loop for ever", async () => {
-  await with_page({ mock: { frames: 40 }, run: { frame: 40, status: "finished" } }, async (page, run) => {
-    assert.equal(await frame_of(page), 40);
-    await page.locator("#play-button").click();
-    await until("an early frame", async () => await frame_of(page) < 25);
-    await until("the end", async () => await frame_of(page) === 40 && await play_label(page) === "Play");
-    await page.locator("#loop-button").click();
-    await page.locator("#play-button").click();
-    await until("an early frame", async () => await frame_of(page) < 20);
-    await until("late", async () => await frame_of(page) > 25);
-    await until("early again", async () => await frame_of(page) < 20);
-    assert.equal(await play_label(page), "Pause");
-    assert.equal(run.frame, 40);
-  });
+  await with_page(
+    { mock: { frames: 40 }, run: { frame: 40, status: "finished" } },
+    async (page, run) => {
+      assert.equal(await frame_of(page), 40);
+      await page.locator("#play-button").click();
+      await until("an early frame", async () => (await frame_of(page)) < 25);
+      await until(
+        "the end",
+        async () => (await frame_of(page)) === 40 && (await play_label(page)) === "Play",
+      );
+      await page.locator("#loop-button").click();
+      await page.locator("#play-button").click();
+      await until("an early frame", async () => (await frame_of(page)) < 20);
+      await until("late", async () => (await frame_of(page)) > 25);
+      await until("early again", async () => (await frame_of(page)) < 20);
+      assert.equal(await play_label(page), "Pause");
+      assert.equal(run.frame, 40);
+    },
+  );
 });
 
 test("scrubbing pauses a playing run", async () => {
   await with_page({ run: { frame: 30, status: "playing" } }, async (page, run) => {
     const box = await page.locator("#scrub").boundingBox();
-    await page.mouse.move(box.x + box.width * .2, box.y + 16);
+    await page.mouse.move(box.x + box.width * 0.2, box.y + 16);
     await page.mouse.down();
     await until("paused", () => run.status === "paused");
-    await page.mouse.move(box.x + box.width * .1, box.y + 16, { steps: 8 });
-    await until("frame 12 or near", async () => Math.abs(await frame_of(page) - 12) <= 2);
+    await page.mouse.move(box.x + box.width * 0.1, box.y + 16, { steps: 8 });
+    await until("frame 12 or near", async () => Math.abs((await frame_of(page)) - 12) <= 2);
     await page.mouse.up();
     assert.match(await page.locator("#mode").textContent(), /Recorded/);
   });
@@ -153,12 +163,19 @@ test("at most one picture in flight; small and fast while turning, a full still 
   await with_page({ run: { frame: 30 } }, async (page, run) => {
     await until("a still", () => run.frame_requests.at(-1).quality === "still");
     await settled(page);
-    const full = Number(run.frame_requests.at(-1).w), count = run.frame_requests.length;
-    let in_flight = 0, most_in_flight = 0;
+    const full = Number(run.frame_requests.at(-1).w),
+      count = run.frame_requests.length;
+    let in_flight = 0,
+      most_in_flight = 0;
+    run.picture_ms = 100;
     const is_picture = (request) => request.url().includes("/api/frame.jpg");
-    page.on("request", (request) => { if (is_picture(request)) most_in_flight = Math.max(most_in_flight, ++in_flight); });
+    page.on("request", (request) => {
+      if (is_picture(request)) most_in_flight = Math.max(most_in_flight, ++in_flight);
+    });
     for (const end of ["requestfinished", "requestfailed"]) {
-      page.on(end, (request) => { if (is_picture(request)) in_flight--; });
+      page.on(end, (request) => {
+        if (is_picture(request)) in_flight--;
+      });
     }
     const box = await page.locator("#picture").boundingBox();
     await page.mouse.move(box.x + 300, box.y + 300);
@@ -172,7 +189,10 @@ test("at most one picture in flight; small and fast while turning, a full still 
     await until("a still again", () => run.frame_requests.at(-1).quality === "still");
     const during = run.frame_requests.slice(count, -1);
     assert.ok(during.length >= 2, "pictures come while turning");
-    assert.ok(during.every(({ quality, w }) => quality === "fast" && Number(w) <= full / 2 + 2), "small and fast");
+    assert.ok(
+      during.every(({ quality, w }) => quality === "fast" && Number(w) <= full / 2 + 2),
+      "small and fast",
+    );
     assert.equal(Number(run.frame_requests.at(-1).w), full);
     assert.notEqual(last_drag.eye, during[0].eye);
     assert.equal(most_in_flight, 1);
@@ -191,11 +211,12 @@ test("wheel, keys and two fingers move the camera", async () => {
       return Math.hypot(...a.map((x, i) => x - b[i]));
     };
     const target = () => run.frame_requests.at(-1).target;
-    const far = distance(), home = target();
+    const far = distance(),
+      home = target();
     const box = await page.locator("#picture").boundingBox();
     await page.mouse.move(box.x + 300, box.y + 300);
     await page.mouse.wheel(0, -240);
-    await until("closer", () => distance() < far * .95);
+    await until("closer", () => distance() < far * 0.95);
     await page.locator("#picture").focus();
     await page.keyboard.press("-");
     await page.keyboard.press("Shift+ArrowLeft");
@@ -204,12 +225,15 @@ test("wheel, keys and two fingers move the camera", async () => {
     await until("home", () => target() === home && Math.abs(distance() / far - 1) < 1e-4);
 
     const fingers = await page.context().newCDPSession(page);
-    const touch = (type, ...points) => fingers.send("Input.dispatchTouchEvent",
-      { type, touchPoints: points.map(([x, y], id) => ({ x: box.x + x, y: box.y + y, id })) });
+    const touch = (type, ...points) =>
+      fingers.send("Input.dispatchTouchEvent", {
+        type,
+        touchPoints: points.map(([x, y], id) => ({ x: box.x + x, y: box.y + y, id })),
+      });
     await touch("touchStart", [250, 300]);
     await touch("touchStart", [250, 300], [350, 300]);
     for (let i = 1; i <= 6; i++) await touch("touchMove", [250 - 10 * i, 300], [350 + 10 * i, 300]);
     await touch("touchEnd");
-    await until("pinched closer", () => distance() < far * .7);
+    await until("pinched closer", () => distance() < far * 0.7);
   });
 });

@@ -27,11 +27,13 @@ export async function get_json(path, { signal } = {}) {
 }
 
 export async function send_json(method, path, value = {}) {
-  const response = await checked(await fetch(path, {
-    method,
-    headers: { "content-type": "application/json" },
-    body: JSON.stringify(value),
-  }));
+  const response = await checked(
+    await fetch(path, {
+      method,
+      headers: { "content-type": "application/json" },
+      body: JSON.stringify(value),
+    }),
+  );
   const text = await response.text();
   return text ? JSON.parse(text) : {};
 }

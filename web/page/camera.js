@@ -8,7 +8,7 @@ const COMFORTABLE_ASPECT = 1.5;
 export class OrbitCamera {
   target = [0, 0, 0];
   yaw = 0;
-  pitch = .3;
+  pitch = 0.3;
   distance = 3;
   fov = 30;
   #home = null;
@@ -46,16 +46,19 @@ export class OrbitCamera {
 
   /// Moves the target by a shift on the screen, as shares of the picture's height.
   pan(right_share, up_share) {
-    const height = 2 * this.distance * Math.tan(this.fov * Math.PI / 360);
+    const height = 2 * this.distance * Math.tan((this.fov * Math.PI) / 360);
     const right = [Math.cos(this.yaw), 0, -Math.sin(this.yaw)];
     const [bx, by, bz] = this.backward;
     const up = [by * right[2], bz * right[0] - bx * right[2], -by * right[0]];
     this.target = this.target.map(
-      (value, axis) => value - height * (right[axis] * right_share + up[axis] * up_share));
+      (value, axis) => value - height * (right[axis] * right_share + up[axis] * up_share),
+    );
   }
 
   zoom(factor) {
-    const home = this.#home ? Math.hypot(...this.#home.eye.map((v, i) => v - this.#home.target[i])) : 3;
+    const home = this.#home
+      ? Math.hypot(...this.#home.eye.map((v, i) => v - this.#home.target[i]))
+      : 3;
     this.distance = clamp(this.distance * factor, home / 12, home * 6);
   }
 

@@ -12,7 +12,10 @@ function download(href, name) {
 
 export function watch_exports(session, playhead, picture, series, toast) {
   const stem = () => `${session.state?.scene ?? "rend"}-${String(playhead.frame).padStart(4, "0")}`;
-  const size = () => ({ w: PICTURE_WIDTH, h: Math.min(2160, Math.round(PICTURE_WIDTH / picture.aspect / 2) * 2) });
+  const size = () => ({
+    w: PICTURE_WIDTH,
+    h: Math.min(2160, Math.round(PICTURE_WIDTH / picture.aspect / 2) * 2),
+  });
   const save_picture = () => {
     const query = new URLSearchParams({ ...picture.view_query(size()), quality: "still" });
     download(`/api/frames/${playhead.frame}.png?${query}`, `${stem()}.png`);
@@ -33,7 +36,11 @@ export function watch_exports(session, playhead, picture, series, toast) {
     const { w, h } = size();
     set_text(find("#export-picture-note"), `PNG, frame ${playhead.frame}, ${w} × ${h}`);
   });
-  const choose = (id, action) => find(id).addEventListener("click", () => { pop.hidePopover?.(); action(); });
+  const choose = (id, action) =>
+    find(id).addEventListener("click", () => {
+      pop.hidePopover?.();
+      action();
+    });
   choose("#export-picture", save_picture);
   choose("#export-mesh", save_mesh);
   choose("#export-table", save_table);

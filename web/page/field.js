@@ -1,6 +1,14 @@
 // One parameter on the page: slider with default tick, typed value with unit, reset; or a list of choices.
 import { find, icon, make, set_text } from "./element.js";
-import { clamp, format_number, parse_typed, position_of, round_ticks, shown_unit, value_at } from "./quantity.js";
+import {
+  clamp,
+  format_number,
+  parse_typed,
+  position_of,
+  round_ticks,
+  shown_unit,
+  value_at,
+} from "./quantity.js";
 
 const STEPS = 1000;
 const KEYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
@@ -60,7 +68,9 @@ export class Field {
     const { label, default: standard } = this.parameter;
     const text = this.with_unit(standard);
     const button = make("button", {
-      class: "button default", "aria-label": `Reset ${label} to ${text}`, title: `Back to ${text}`,
+      class: "button default",
+      "aria-label": `Reset ${label} to ${text}`,
+      title: `Back to ${text}`,
       on_click: () => this.set(standard),
     });
     button.append(icon("reset"));
@@ -69,10 +79,20 @@ export class Field {
 
   #choice() {
     const { label, choices, help } = this.parameter;
-    const select = make("select", { id: this.key, on_change: () => this.set(this.#chosen(select)) },
-      ...choices.map((choice) => make("option", { value: choice }, String(choice).replaceAll("_", " "))));
-    return make("div", { class: "param choice", title: help },
-      make("label", { for: this.key }, label, this.#note()), this.#reset_button(), select);
+    const select = make(
+      "select",
+      { id: this.key, on_change: () => this.set(this.#chosen(select)) },
+      ...choices.map((choice) =>
+        make("option", { value: choice }, String(choice).replaceAll("_", " ")),
+      ),
+    );
+    return make(
+      "div",
+      { class: "param choice", title: help },
+      make("label", { for: this.key }, label, this.#note()),
+      this.#reset_button(),
+      select,
+    );
   }
 
   #chosen(select) {
@@ -82,40 +102,76 @@ export class Field {
   #slider() {
     const { label, help, hero, default: standard } = this.parameter;
     const slider = make("input", {
-      class: "slider", type: "range", min: 0, max: STEPS, "aria-label": label,
-      on_pointerdown: () => { this.#held = true; this.#before = this.value; this.#moved = false; },
-      on_pointermove: (event) => { if (event.buttons) this.#moved = true; },
+      class: "slider",
+      type: "range",
+      min: 0,
+      max: STEPS,
+      "aria-label": label,
+      on_pointerdown: () => {
+        this.#held = true;
+        this.#before = this.value;
+        this.#moved = false;
+      },
+      on_pointermove: (event) => {
+        if (event.buttons) this.#moved = true;
+      },
       on_input: () => this.#slide(value_at(this.parameter, slider.value / STEPS)),
       on_change: () => this.#let_go(),
       on_blur: () => this.#let_go(),
       on_pointerup: () => setTimeout(() => this.#let_go()),
       on_pointercancel: () => this.#let_go(),
-      on_dblclick: () => { if (!this.#moved) this.set(standard); },
+      on_dblclick: () => {
+        if (!this.#moved) this.set(standard);
+      },
       on_keydown: (event) => this.#key(event),
     });
     const number = make("input", {
-      id: this.key, inputmode: "decimal", autocomplete: "off", spellcheck: "false",
+      id: this.key,
+      inputmode: "decimal",
+      autocomplete: "off",
+      spellcheck: "false",
       "aria-describedby": `${this.key}-unit`,
       on_change: () => this.#type(number.value),
       on_focus: () => number.select(),
       on_keydown: (event) => {
-        if (event.key === "Escape") { this.#draw(true); number.blur(); }
+        if (event.key === "Escape") {
+          this.#draw(true);
+          number.blur();
+        }
       },
     });
-    return make("div", { class: hero ? "param hero" : "param", title: hero ? null : help },
+    return make(
+      "div",
+      { class: hero ? "param hero" : "param", title: hero ? null : help },
       make("label", { for: this.key }, label, this.#note()),
       this.#reset_button(),
-      make("div", { class: "number" }, number, make("span", { id: `${this.key}-unit` }, this.unit.text)),
-      make("div", { class: "slide" },
-        make("i", { class: "tick", "--at": at_thumb(position_of(this.parameter, standard)) }), slider),
+      make(
+        "div",
+        { class: "number" },
+        number,
+        make("span", { id: `${this.key}-unit` }, this.unit.text),
+      ),
+      make(
+        "div",
+        { class: "slide" },
+        make("i", { class: "tick", "--at": at_thumb(position_of(this.parameter, standard)) }),
+        slider,
+      ),
       hero ? this.#ticks() : null,
-      make("p", { class: "message", role: "status", hidden: true }));
+      make("p", { class: "message", role: "status", hidden: true }),
+    );
   }
 
   #ticks() {
-    const marks = round_ticks(this.parameter, this.unit.factor).map((tick) => make("span", {
-      "--at": `${position_of(this.parameter, tick * this.unit.factor) * 100}%`,
-    }, format_number(tick)));
+    const marks = round_ticks(this.parameter, this.unit.factor).map((tick) =>
+      make(
+        "span",
+        {
+          "--at": `${position_of(this.parameter, tick * this.unit.factor) * 100}%`,
+        },
+        format_number(tick),
+      ),
+    );
     return make("div", { class: "ticks", "aria-hidden": "true" }, ...marks);
   }
 
@@ -140,8 +196,9 @@ export class Field {
     const ends = { Home: min, End: max };
     let value = ends[event.key];
     const way = KEYS[event.key];
-    if (way && step) value = clamp(this.value + step * Math.sign(way) * (Math.abs(way) > 1 ? 5 : 1), min, max);
-    else if (way) value = this.#nudged(way * (event.shiftKey ? .002 : .01));
+    if (way && step)
+      value = clamp(this.value + step * Math.sign(way) * (Math.abs(way) > 1 ? 5 : 1), min, max);
+    else if (way) value = this.#nudged(way * (event.shiftKey ? 0.002 : 0.01));
     if (value === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
@@ -162,9 +219,12 @@ export class Field {
     const { label, min, max, step } = this.parameter;
     let value = parse_typed(text, this.unit);
     if (Number.isFinite(value) && step) value = min + Math.round((value - min) / step) * step;
-    if (value >= min * (1 - 1e-9) && value <= max * (1 + 1e-9)) return this.set(clamp(value, min, max));
+    if (value >= min * (1 - 1e-9) && value <= max * (1 + 1e-9))
+      return this.set(clamp(value, min, max));
     this.#draw(true);
-    this.#complain(`${label} goes from ${this.text_of(min)} to ${this.with_unit(max)}; ${this.with_unit(this.value)} is kept.`);
+    this.#complain(
+      `${label} goes from ${this.text_of(min)} to ${this.with_unit(max)}; ${this.with_unit(this.value)} is kept.`,
+    );
   }
 
   #complain(text) {
@@ -181,7 +241,8 @@ export class Field {
       find("select", this.node).value = this.value;
       return;
     }
-    const slider = find(".slider", this.node), number = find(".number input", this.node);
+    const slider = find(".slider", this.node),
+      number = find(".number input", this.node);
     const position = position_of(this.parameter, this.value);
     slider.value = Math.round(position * STEPS);
     slider.style.setProperty("--at", at_thumb(position));

@@ -1,6 +1,6 @@
 // Mouse, touch and keys on the picture move the camera.
 
-const RADIANS_PER_PIXEL = .006;
+const RADIANS_PER_PIXEL = 0.006;
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 /// Calls `moved()` after every change of the camera, `held(true | false)` when the first pointer presses, the last leaves.
@@ -12,7 +12,11 @@ export function watch_gestures(canvas, camera, { moved, held }) {
     const all = [...pointers.values()];
     const x = all.reduce((sum, p) => sum + p.x, 0) / all.length;
     const y = all.reduce((sum, p) => sum + p.y, 0) / all.length;
-    return { x, y, spread: all.length > 1 ? Math.hypot(all[0].x - all[1].x, all[0].y - all[1].y) : 0 };
+    return {
+      x,
+      y,
+      spread: all.length > 1 ? Math.hypot(all[0].x - all[1].x, all[0].y - all[1].y) : 0,
+    };
   };
   const pan = (dx, dy) => camera.pan(dx / canvas.clientHeight, -dy / canvas.clientHeight);
 
@@ -28,7 +32,8 @@ export function watch_gestures(canvas, camera, { moved, held }) {
   canvas.addEventListener("pointermove", (event) => {
     const pointer = pointers.get(event.pointerId);
     if (!pointer) return;
-    const dx = event.clientX - pointer.x, dy = event.clientY - pointer.y;
+    const dx = event.clientX - pointer.x,
+      dy = event.clientY - pointer.y;
     pointer.x = event.clientX;
     pointer.y = event.clientY;
     if (pinch) {
@@ -53,19 +58,23 @@ export function watch_gestures(canvas, camera, { moved, held }) {
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const pixels = event.deltaMode === 1 ? event.deltaY * 16 : event.deltaY;
-    camera.zoom(Math.exp(Math.max(-300, Math.min(300, pixels)) * .0012));
-    moved();
-  }, { passive: false });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const pixels = event.deltaMode === 1 ? event.deltaY * 16 : event.deltaY;
+      camera.zoom(Math.exp(Math.max(-300, Math.min(300, pixels)) * 0.0012));
+      moved();
+    },
+    { passive: false },
+  );
   canvas.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const way = KEYS[event.key];
-    if (way && event.shiftKey) camera.pan(-way[0] * .05, -way[1] * .05);
-    else if (way) camera.orbit(way[0] * .08, way[1] * .06);
-    else if (event.key === "+" || event.key === "=") camera.zoom(.92);
-    else if (event.key === "-") camera.zoom(1 / .92);
+    if (way && event.shiftKey) camera.pan(-way[0] * 0.05, -way[1] * 0.05);
+    else if (way) camera.orbit(way[0] * 0.08, way[1] * 0.06);
+    else if (event.key === "+" || event.key === "=") camera.zoom(0.92);
+    else if (event.key === "-") camera.zoom(1 / 0.92);
     else return;
     event.preventDefault();
     event.stopPropagation();

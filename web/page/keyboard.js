@@ -2,21 +2,39 @@
 import { find } from "./element.js";
 
 const BUTTONS = {
-  r: "#reset-button", l: "#loop-button", f: "#fit-button", p: "#save-button", g: "#gallery-button", "?": "#help-button",
+  r: "#reset-button",
+  l: "#loop-button",
+  f: "#fit-button",
+  p: "#save-button",
+  g: "#gallery-button",
+  "?": "#help-button",
 };
 
 export function watch_keys(playhead, { undo, hide_panels }) {
   const switch_box = find("#single-keys");
   switch_box.checked = localStorage.getItem("single-keys") !== "off";
-  switch_box.addEventListener("change", () => localStorage.setItem("single-keys", switch_box.checked ? "on" : "off"));
+  switch_box.addEventListener("change", () =>
+    localStorage.setItem("single-keys", switch_box.checked ? "on" : "off"),
+  );
 
   // :focus-visible cannot tell: the key press itself turns it on.
-  let led_by_tab = false, swallow_space = false;
-  addEventListener("pointerdown", () => { led_by_tab = false; }, true);
-  addEventListener("keyup", (event) => {
-    if (event.key === " " && swallow_space) event.preventDefault();
+  let led_by_tab = false,
     swallow_space = false;
-  }, true);
+  addEventListener(
+    "pointerdown",
+    () => {
+      led_by_tab = false;
+    },
+    true,
+  );
+  addEventListener(
+    "keyup",
+    (event) => {
+      if (event.key === " " && swallow_space) event.preventDefault();
+      swallow_space = false;
+    },
+    true,
+  );
 
   const change_speed = (way) => {
     const list = find("#speed");
@@ -28,7 +46,9 @@ export function watch_keys(playhead, { undo, hide_panels }) {
     if (event.key === "Tab") led_by_tab = true;
     if (find("#help").open || event.altKey || event.metaKey) return;
     const focused = document.activeElement ?? document.body;
-    const typing = focused.matches("input:not([type=range]):not([type=radio]):not([type=checkbox]), select, textarea");
+    const typing = focused.matches(
+      "input:not([type=range]):not([type=radio]):not([type=checkbox]), select, textarea",
+    );
     if (typing) return;
     if (event.ctrlKey) {
       if (event.key.toLowerCase() !== "z" || event.shiftKey) return;

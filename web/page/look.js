@@ -2,14 +2,22 @@
 import { find, find_all, make, set_text } from "./element.js";
 import { format_number } from "./quantity.js";
 
-const CLAY = "#e4ded2", CRACK = "#cd603c";
+const CLAY = "#e4ded2",
+  CRACK = "#cd603c";
 const DAMAGE = `linear-gradient(90deg, ${CLAY}, #e8c87e, #d48838, #8f3518)`;
 const CIVIDIS = "linear-gradient(90deg, #00204d, #414d6b, #7c7b78, #bcaf6f, #ffea46)";
 const LEGENDS = {
-  damage: { caption: "Damage", ramp: DAMAGE, ends: ["0", "0.5", "1"] },
-  stress: { caption: "Largest principal stress", ramp: CIVIDIS, ends: ["low", "high"], factor: 1e3, unit: "kPa" },
-  speed: { caption: "Speed", ramp: CIVIDIS, ends: ["low", "high"], factor: 1, unit: "m/s" },
-  yielded: { caption: "Yielded", swatches: [[CLAY, "elastic"], ["#d48838", "yielded"], [CRACK, "crack face"]] },
+  damage: { caption: "Damage", ramp: DAMAGE },
+  stress: { caption: "Largest stress", ramp: CIVIDIS },
+  speed: { caption: "Speed", ramp: CIVIDIS },
+  yielded: {
+    caption: "Yielded",
+    swatches: [
+      [CLAY, "elastic"],
+      ["#8f3518", "yielded"],
+      [CRACK, "crack face"],
+    ],
+  },
   piece: { caption: "One colour a piece" },
 };
 
@@ -18,24 +26,29 @@ export class Look {
   color = "damage";
   mode = "surface";
   #changed;
-  #range = null;
+  #scale = null;
+  #drawn = "";
 
   constructor(changed, remember) {
     this.#changed = changed;
-    find("#color").addEventListener("change", (event) => this.#choose({ color: event.target.value }, remember));
+    find("#color").addEventListener("change", (event) =>
+      this.#choose({ color: event.target.value }, remember),
+    );
     for (const input of find_all("[name=view-mode]")) {
       input.addEventListener("change", () => this.#choose({ mode: input.value }, remember));
     }
     this.#draw();
   }
 
-  values() { return { color: this.color, mode: this.mode }; }
+  values() {
+    return { color: this.color, mode: this.mode };
+  }
 
-  /// The ends of the colour scale of the picture that is shown, where the server tells them.
-  set_range(range) {
-    const usable = range?.length === 2 && range.every(Number.isFinite) ? range : null;
-    if (String(usable) === String(this.#range)) return;
-    this.#range = usable;
+  /// The colour scale of the picture that is shown, "LOW;HIGH;CAPTION" as the server tells it.
+  set_legend(text) {
+    const [low, high, caption] = (text ?? "").split(";");
+    const usable = caption && Number(high) > Number(low);
+    this.#scale = usable ? { low: Number(low), high: Number(high), caption } : null;
     this.#draw();
   }
 
@@ -52,7 +65,7 @@ export class Look {
 
   #apply(values) {
     Object.assign(this, values);
-    this.#range = null;
+    this.#scale = null;
     find("#color").value = this.color;
     for (const input of find_all("[name=view-mode]")) input.checked = input.value === this.mode;
     this.#draw();
@@ -63,15 +76,24 @@ export class Look {
     const legend = LEGENDS[this.color];
     find("#legend").hidden = !legend;
     if (!legend) return;
-    const { caption, ramp, swatches, unit, factor = 1 } = legend;
-    set_text(find("#legend-caption"), unit && this.#range ? `${caption}, ${unit}` : caption);
+    const { ramp, swatches } = legend;
+    const { low, high, caption } = (ramp && this.#scale) || { caption: legend.caption };
+    const ends = !ramp
+      ? []
+      : low === undefined
+        ? ["low", "high"]
+        : [low, (low + high) / 2, high].map((x) => format_number(x, 2));
+    const key = JSON.stringify([this.color, caption, ends]);
+    if (key === this.#drawn) return;
+    this.#drawn = key;
+    set_text(find("#legend-caption"), caption);
     find("#legend-ramp").hidden = !ramp;
     if (ramp) find("#legend-ramp").style.setProperty("--ramp", ramp);
-    const [low, high] = (this.#range ?? []).map((value) => value / factor);
-    const ends = this.#range && unit ? [low, (low + high) / 2, high].map((x) => format_number(x, 2)) : legend.ends;
     find("#legend-ends").className = swatches ? "swatches" : "";
-    find("#legend-ends").replaceChildren(...(swatches
-      ? swatches.map(([color, name]) => make("b", { "--swatch": color }, name))
-      : (ends ?? []).map((end) => make("b", {}, end))));
+    find("#legend-ends").replaceChildren(
+      ...(swatches
+        ? swatches.map(([color, name]) => make("b", { "--swatch": color }, name))
+        : ends.map((end) => make("b", {}, end))),
+    );
   }
 }

@@ -40,7 +40,10 @@ session.on("state", find_home);
 
 const playhead = new Playhead(session, report);
 const parameters = new ParameterPanel(session, toast);
-const look = new Look(() => picture.refresh(), (revert) => parameters.remember(revert));
+const look = new Look(
+  () => picture.refresh(),
+  (revert) => parameters.remember(revert),
+);
 
 const picture = new Picture(canvas, session, playhead, camera, () => look.values());
 session.on("scene", ({ view }) => look.adopt(view));
@@ -51,7 +54,7 @@ new Plots(session, series, playhead);
 new Notices(session, playhead, parameters);
 show_stats(session, picture);
 
-picture.on("shown", ({ range }) => look.set_range(range));
+picture.on("shown", ({ legend }) => look.set_legend(legend));
 watch_gestures(canvas, camera, {
   moved: () => {
     find("#hint").classList.add("gone");
@@ -74,7 +77,9 @@ sessionStorage.setItem("started", "yes");
 
 gallery.load();
 session.run();
-get_json("/api/version").then(({ version, renderer, lanes, capabilities = [] }) => {
-  set_text(find("#about"), [`rend ${version}`, renderer, lanes].filter(Boolean).join(", "));
-  if (capabilities.includes("upload")) watch_upload(gallery);
-}).catch(report);
+get_json("/api/version")
+  .then(({ version, renderer, lanes, capabilities = [] }) => {
+    set_text(find("#about"), [`rend ${version}`, renderer, lanes].filter(Boolean).join(", "));
+    if (capabilities.includes("upload")) watch_upload(gallery);
+  })
+  .catch(report);

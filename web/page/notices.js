@@ -2,14 +2,21 @@
 import { find, icon, make, set_text } from "./element.js";
 
 const SHOWN_MS = 5000;
-const STAGE_NAMES = { sample: "Placing particles", mesh: "Building the mesh", import: "Reading the mesh" };
+const STAGE_NAMES = {
+  sample: "Placing particles",
+  mesh: "Building the mesh",
+  import: "Reading the mesh",
+};
 
 let toast_timer = 0;
 
 /// A short message at the bottom; `action` is {label, run}.
 export function toast(text, action) {
   const node = find("#toast");
-  node.replaceChildren(text, ...(action ? [make("button", { on_click: action.run }, action.label)] : []));
+  node.replaceChildren(
+    text,
+    ...(action ? [make("button", { on_click: action.run }, action.label)] : []),
+  );
   node.classList.add("on");
   clearTimeout(toast_timer);
   toast_timer = setTimeout(() => node.classList.remove("on"), SHOWN_MS);
@@ -48,7 +55,8 @@ export class Notices {
   }
 
   #draw_stopped(state) {
-    const banner = find("#stopped"), stopped = state.status === "stopped";
+    const banner = find("#stopped"),
+      stopped = state.status === "stopped";
     const key = stopped ? JSON.stringify([state.scene, state.reason, state.message]) : "";
     if (!stopped) this.#dismissed = "";
     banner.hidden = !stopped || key === this.#dismissed;
@@ -58,20 +66,36 @@ export class Notices {
     if (!state.reason) return banner.replaceChildren(...this.#refusal(state, key));
     const frame = state.reason.frame;
     const good = Math.min(state.frame, frame);
-    banner.replaceChildren(icon("warn"),
-      make("div", {}, make("b", {}, `The run stopped at frame ${frame}.`),
-        make("p", {}, state.reason.text, ` Frame ${good} is the last good one and is kept.`)),
-      make("div", { class: "row" }, ...this.#ways_out(good),
-        this.#dismiss(key)));
+    banner.replaceChildren(
+      icon("warn"),
+      make(
+        "div",
+        {},
+        make("b", {}, `The run stopped at frame ${frame}.`),
+        make("p", {}, state.reason.text, ` Frame ${good} is the last good one and is kept.`),
+      ),
+      make("div", { class: "row" }, ...this.#ways_out(good), this.#dismiss(key)),
+    );
   }
 
   #refusal({ message }, key) {
-    return [icon("warn"), make("div", {}, make("b", {}, "The scene did not load."), make("p", {}, message ?? "")),
-      make("div", { class: "row" }, this.#dismiss(key))];
+    return [
+      icon("warn"),
+      make("div", {}, make("b", {}, "The scene did not load."), make("p", {}, message ?? "")),
+      make("div", { class: "row" }, this.#dismiss(key)),
+    ];
   }
 
   #dismiss(key) {
-    return this.#button("button", null, () => { this.#dismissed = key; find("#stopped").hidden = true; }, "Dismiss");
+    return this.#button(
+      "button",
+      null,
+      () => {
+        this.#dismissed = key;
+        find("#stopped").hidden = true;
+      },
+      "Dismiss",
+    );
   }
 
   #ways_out(good) {
@@ -79,14 +103,20 @@ export class Notices {
     const again = () => this.#playhead.reset();
     const courant = ["cfl", "solver.cfl", "/solver/cfl"].find((id) => this.#parameters.has(id));
     if (!courant) {
-      return [this.#button("button main", "Start again", again), this.#button("button", `Look at frame ${good}`, look)];
+      return [
+        this.#button("button main", "Start again", again),
+        this.#button("button", `Look at frame ${good}`, look),
+      ];
     }
     const smaller = () => {
       this.#parameters.set(courant, this.#parameters.value_of(courant) / 2);
       again();
     };
-    return [this.#button("button main", "Halve the time step, start again", smaller),
-      this.#button("button", "Start again", again), this.#button("button", `Look at frame ${good}`, look)];
+    return [
+      this.#button("button main", "Halve the time step, start again", smaller),
+      this.#button("button", "Start again", again),
+      this.#button("button", `Look at frame ${good}`, look),
+    ];
   }
 
   #button(kind, text, run, label = null) {
@@ -101,7 +131,10 @@ export class Notices {
     if (!preparing) return;
     const { stage, share } = state.progress ?? {};
     const count = state.particles ? `, ${state.particles.toLocaleString("en")} particles` : "";
-    set_text(find("#preparing-text"), `${STAGE_NAMES[stage] ?? stage ?? state.message ?? "Preparing"}${count}`);
+    set_text(
+      find("#preparing-text"),
+      `${STAGE_NAMES[stage] ?? stage ?? state.message ?? "Preparing"}${count}`,
+    );
     const bar = find("#preparing-bar");
     if (Number.isFinite(share)) bar.value = share;
     else bar.removeAttribute("value");

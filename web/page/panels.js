@@ -9,8 +9,11 @@ export function watch_panels() {
     gallery.title = slim ? "Show the names (G)" : "Fold to thumbnails (G)";
   };
   const narrow = matchMedia("(min-width: 900px) and (max-width: 1199px)");
-  const fold_by_width = () => fold(localStorage.getItem("gallery") === "slim" ||
-    (narrow.matches && localStorage.getItem("gallery") !== "wide"));
+  const fold_by_width = () =>
+    fold(
+      localStorage.getItem("gallery") === "slim" ||
+        (narrow.matches && localStorage.getItem("gallery") !== "wide"),
+    );
   fold_by_width();
   narrow.addEventListener("change", fold_by_width);
   gallery.addEventListener("click", () => {

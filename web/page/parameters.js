@@ -22,7 +22,11 @@ export class ParameterPanel {
       () => {},
     );
     let known;
-    session.on("scene", () => { this.#undo = []; this.#show_undo(); this.load(true); });
+    session.on("scene", () => {
+      this.#undo = [];
+      this.#show_undo();
+      this.load(true);
+    });
     session.on("found", () => this.load());
     session.on("state", (state) => {
       const seen = `${state.parameters_revision} ${state.status === "preparing"}`;
@@ -32,16 +36,23 @@ export class ParameterPanel {
     find("#undo-button").addEventListener("click", () => this.undo());
   }
 
-  value_of(id) { return this.#fields.get(id)?.value; }
-  has(id) { return this.#fields.has(id); }
-  set(id, value) { this.#fields.get(id)?.set(value); }
+  value_of(id) {
+    return this.#fields.get(id)?.value;
+  }
+  has(id) {
+    return this.#fields.has(id);
+  }
+  set(id, value) {
+    this.#fields.get(id)?.set(value);
+  }
 
   async load(rebuild = false) {
     if (this.#loading && !rebuild) return;
     this.#loading = true;
     try {
       const { parameters } = await get_json("/api/parameters");
-      const same = parameters.length === this.#fields.size &&
+      const same =
+        parameters.length === this.#fields.size &&
         parameters.every((parameter) => this.#same_kind(parameter));
       if (rebuild || !same) this.#build(parameters);
       else for (const parameter of parameters) this.#accept(parameter);
@@ -67,8 +78,12 @@ export class ParameterPanel {
 
   #same_kind(parameter) {
     const known = this.#fields.get(parameter.id)?.parameter;
-    return known && ["min", "max", "default", "scale", "label", "unit", "group"]
-      .every((key) => known[key] === parameter[key]);
+    return (
+      known &&
+      ["min", "max", "default", "scale", "label", "unit", "group"].every(
+        (key) => known[key] === parameter[key],
+      )
+    );
   }
 
   #accept({ id, value }) {
@@ -77,16 +92,23 @@ export class ParameterPanel {
 
   #build(parameters) {
     this.#fields.clear();
-    const panel = find("#panel-material"), view = find("#group-view");
+    const panel = find("#panel-material"),
+      view = find("#group-view");
     for (const old of panel.querySelectorAll(".group:not(#group-material), .param")) old.remove();
     view.replaceChildren();
     const names = [...new Set(parameters.map(({ group }) => group))];
     const first = names.find((name) => name.startsWith("Material")) ?? "Material";
     set_text(find("#material-title"), first);
     for (const name of names) {
-      const members = parameters.filter(({ group }) => group === name)
+      const members = parameters
+        .filter(({ group }) => group === name)
         .sort((a, b) => Number(b.hero ?? false) - Number(a.hero ?? false));
-      const place = name === first ? find("#group-material") : name === "View" ? view : this.#group(name, members);
+      const place =
+        name === first
+          ? find("#group-material")
+          : name === "View"
+            ? view
+            : this.#group(name, members);
       if (!place.isConnected) panel.append(place);
       for (const parameter of members) place.append(this.#field(parameter, members).node);
     }
@@ -95,7 +117,8 @@ export class ParameterPanel {
   #group(name, members) {
     const note = this.#common_note(members);
     const words = [make("h2", {}, name), note ? make("span", { class: "group-note" }, note) : null];
-    if (!FOLDED.has(name)) return make("div", { class: "group" }, make("div", { class: "head" }, ...words));
+    if (!FOLDED.has(name))
+      return make("div", { class: "group" }, make("div", { class: "head" }, ...words));
     return make("details", { class: "group" }, make("summary", { class: "head" }, ...words));
   }
 

@@ -21,7 +21,9 @@ export class PatchQueue {
     this.#send();
   }
 
-  holds(id) { return this.#waiting.has(id); }
+  holds(id) {
+    return this.#waiting.has(id);
+  }
 
   async #send() {
     if (this.#busy) return;

@@ -7,7 +7,7 @@ const STILL_AFTER_MS = 150;
 const MOST_LIVE_PIXELS = 1.3e6;
 const MOST_STILL_PIXELS = 2.1e6;
 
-/// Events: "shown" {frame, time, range}.
+/// Events: "shown" {frame, legend}.
 export class Picture extends Emitter {
   theme = matchMedia("(prefers-color-scheme: dark)");
   rate = 0;
@@ -40,8 +40,13 @@ export class Picture extends Emitter {
       revision = state.revision;
       this.refresh();
     });
-    session.on("scene", () => { this.#token = ""; this.#shown_key = ""; });
-    session.on("found", () => { this.#stale = true; });
+    session.on("scene", () => {
+      this.#token = "";
+      this.#shown_key = "";
+    });
+    session.on("found", () => {
+      this.#stale = true;
+    });
     playhead.on("change", () => this.refresh());
     this.theme.addEventListener("change", () => this.refresh());
     document.addEventListener("visibilitychange", () => this.refresh());
@@ -74,7 +79,11 @@ export class Picture extends Emitter {
   view_query(size = {}) {
     const { color, mode } = this.#look();
     return {
-      ...this.#camera.query(), color, mode, theme: this.theme.matches ? "dark" : "light", ...size,
+      ...this.#camera.query(),
+      color,
+      mode,
+      theme: this.theme.matches ? "dark" : "light",
+      ...size,
     };
   }
 
@@ -92,26 +101,38 @@ export class Picture extends Emitter {
   #wish() {
     const hurried = this.#moving || this.#playhead.scrubbing;
     const still = !hurried && !this.#playhead.playing;
-    const ratio = Math.min(devicePixelRatio || 1, 2) * (hurried ? .5 : 1);
-    let w = this.#canvas.clientWidth * ratio, h = this.#canvas.clientHeight * ratio;
+    const ratio = Math.min(devicePixelRatio || 1, 2) * (hurried ? 0.5 : 1);
+    let w = this.#canvas.clientWidth * ratio,
+      h = this.#canvas.clientHeight * ratio;
     const shrink = Math.min(1, Math.sqrt((still ? MOST_STILL_PIXELS : MOST_LIVE_PIXELS) / (w * h)));
-    w = Math.round(w * shrink / 2) * 2;
-    h = Math.round(h * shrink / 2) * 2;
+    w = Math.round((w * shrink) / 2) * 2;
+    h = Math.round((h * shrink) / 2) * 2;
     const query = {
-      frame: this.#playhead.wanted, w, h, ...this.view_query(), quality: still ? "still" : "fast",
+      frame: this.#playhead.wanted,
+      w,
+      h,
+      ...this.view_query(),
+      legend: 0,
+      quality: still ? "still" : "fast",
     };
     return { query, still, key: new URLSearchParams(query).toString() };
   }
 
   #next() {
     const state = this.#session.state;
-    if (!state || !this.#session.connected || document.hidden || !this.#canvas.clientWidth) return null;
+    if (!state || !this.#session.connected || document.hidden || !this.#canvas.clientWidth)
+      return null;
     const { query, still, key } = this.#wish();
     if (key !== this.#shown_key) return { query, key, slow: still, waits: false };
     const live = this.#playhead.following && state.status === "playing";
     if (!live && !this.#stale) return null;
     this.#stale = false;
-    return { query: { ...query, after: this.#token, wait: POLL_MS }, key, slow: false, waits: true };
+    return {
+      query: { ...query, after: this.#token, wait: POLL_MS },
+      key,
+      slow: false,
+      waits: true,
+    };
   }
 
   async #fetch({ query, key, slow, waits }) {
@@ -142,8 +163,10 @@ export class Picture extends Emitter {
     bitmap.close();
     this.#canvas.classList.remove("empty");
     this.#count_arrival();
-    const range = headers.get("x-range")?.split(",").map(Number);
-    this.emit("shown", { frame: Number(headers.get("x-frame") ?? wanted), range });
+    this.emit("shown", {
+      frame: Number(headers.get("x-frame") ?? wanted),
+      legend: headers.get("x-legend"),
+    });
   }
 
   #count_arrival() {
@@ -151,6 +174,6 @@ export class Picture extends Emitter {
     this.#arrivals.push(now);
     while (now - this.#arrivals[0] > 2000) this.#arrivals.shift();
     const span = (now - this.#arrivals[0]) / 1000;
-    this.rate = span > .2 ? (this.#arrivals.length - 1) / span : 0;
+    this.rate = span > 0.2 ? (this.#arrivals.length - 1) / span : 0;
   }
 }

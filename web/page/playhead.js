@@ -23,21 +23,37 @@ export class Playhead extends Emitter {
     session.on("scene", () => this.#go_live());
   }
 
-  get newest() { return this.#session.state?.frame ?? 0; }
-  get oldest() { return Math.min(this.#session.state?.first_frame ?? 0, this.newest); }
-  get total() { return Math.max(this.#session.state?.frames ?? 0, this.newest, 1); }
-  get frame() { return this.following ? this.newest : Math.max(this.oldest, Math.min(this.#frame, this.newest)); }
-  get status() { return this.#session.state?.status ?? "preparing"; }
-  get playing() { return this.replaying || (this.following && this.status === "playing"); }
+  get newest() {
+    return this.#session.state?.frame ?? 0;
+  }
+  get oldest() {
+    return Math.min(this.#session.state?.first_frame ?? 0, this.newest);
+  }
+  get total() {
+    return Math.max(this.#session.state?.frames ?? 0, this.newest, 1);
+  }
+  get frame() {
+    return this.following ? this.newest : Math.max(this.oldest, Math.min(this.#frame, this.newest));
+  }
+  get status() {
+    return this.#session.state?.status ?? "preparing";
+  }
+  get playing() {
+    return this.replaying || (this.following && this.status === "playing");
+  }
   get time() {
     const state = this.#session.state;
     if (!state) return 0;
-    return this.following ? state.time ?? 0 : this.frame / (state.frame_rate || 24);
+    return this.following ? (state.time ?? 0) : this.frame / (state.frame_rate || 24);
   }
   /// "live" or a number, as the frame request wants it.
-  get wanted() { return this.following ? "live" : this.frame; }
+  get wanted() {
+    return this.following ? "live" : this.frame;
+  }
 
-  toggle() { this.playing ? this.pause() : this.play(); }
+  toggle() {
+    this.playing ? this.pause() : this.play();
+  }
 
   play() {
     this.play_when_ready = false;
@@ -92,7 +108,9 @@ export class Playhead extends Emitter {
     this.#act("reset");
   }
 
-  set_speed(speed) { this.speed = speed; }
+  set_speed(speed) {
+    this.speed = speed;
+  }
 
   toggle_loop() {
     this.loop = !this.loop;
@@ -112,7 +130,7 @@ export class Playhead extends Emitter {
     const tick = (now) => {
       if (!this.replaying) return;
       const rate = (this.#session.state?.frame_rate || 24) * this.speed;
-      carried += Math.min(.25, (now - this.#last_time) / 1000) * rate;
+      carried += Math.min(0.25, (now - this.#last_time) / 1000) * rate;
       this.#last_time = now;
       if (carried >= 1) {
         this.#frame += Math.floor(carried);

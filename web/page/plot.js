@@ -17,8 +17,13 @@ export class Plot {
       const { left, width } = canvas.getBoundingClientRect();
       seek(Math.round(Math.min(1, Math.max(0, (event.clientX - left) / width)) * this.#total));
     };
-    canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); point(event); });
-    canvas.addEventListener("pointermove", (event) => { if (canvas.hasPointerCapture(event.pointerId)) point(event); });
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      point(event);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (canvas.hasPointerCapture(event.pointerId)) point(event);
+    });
     new ResizeObserver(() => this.#later()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#later());
   }
@@ -33,22 +38,26 @@ export class Plot {
   #later() {
     if (this.#waiting) return;
     this.#waiting = true;
-    requestAnimationFrame(() => { this.#waiting = false; this.#draw(); });
+    requestAnimationFrame(() => {
+      this.#waiting = false;
+      this.#draw();
+    });
   }
 
   #draw() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     if (!width || !height) return;
-    const ratio = devicePixelRatio || 1, pen = this.#canvas.getContext("2d");
+    const ratio = devicePixelRatio || 1,
+      pen = this.#canvas.getContext("2d");
     this.#canvas.width = Math.round(width * ratio);
     this.#canvas.height = Math.round(height * ratio);
     pen.scale(ratio, ratio);
     const style = getComputedStyle(this.#canvas);
     const color = (name) => style.getPropertyValue(name).trim();
-    const x = (frame) => 1 + frame / this.#total * (width - 2);
+    const x = (frame) => 1 + (frame / this.#total) * (width - 2);
 
     pen.strokeStyle = color("--line");
-    pen.strokeRect(0, height - .5, width, 0);
+    pen.strokeRect(0, height - 0.5, width, 0);
     const common = this.#most(this.#curves.filter(({ top }) => top === undefined));
     for (const curve of this.#curves) {
       const top = curve.top ?? common;
@@ -59,8 +68,11 @@ export class Plot {
       pen.beginPath();
       let down = false;
       curve.values.forEach((value, i) => {
-        if (!Number.isFinite(value)) { down = false; return; }
-        const y = height - 2 - value / top * (height - 5);
+        if (!Number.isFinite(value)) {
+          down = false;
+          return;
+        }
+        const y = height - 2 - (value / top) * (height - 5);
         if (down) pen.lineTo(x(curve.frames[i]), y);
         else pen.moveTo(x(curve.frames[i]), y);
         down = true;

@@ -28,15 +28,18 @@ export class Gallery {
       set_text(find("#scene-title"), heading);
       set_text(find("#scene-note"), state.description ?? "");
       document.title = `rend: ${heading}`;
-      find("#picture").setAttribute("aria-label",
-        `Picture of ${heading}. Arrow keys turn it, plus and minus zoom.`);
+      find("#picture").setAttribute(
+        "aria-label",
+        `Picture of ${heading}. Arrow keys turn it, plus and minus zoom.`,
+      );
     });
     let seen = "";
     session.on("state", (state) => {
       this.#mark(state);
       // Another status is a good moment for a newer thumbnail of the current scene.
       const now = `${state.scene} ${state.status}`;
-      if (now !== seen && seen && state.status !== "preparing") this.#fetch_thumb(state.scene, this.#round);
+      if (now !== seen && seen && state.status !== "preparing")
+        this.#fetch_thumb(state.scene, this.#round);
       seen = now;
     });
     session.on("found", () => this.load());
@@ -55,7 +58,9 @@ export class Gallery {
     }
   }
 
-  names() { return find_all(".scene").map((node) => node.dataset.name); }
+  names() {
+    return find_all(".scene").map((node) => node.dataset.name);
+  }
 
   async open(name) {
     const button = find(`.scene[data-name="${CSS.escape(name)}"]`);
@@ -75,14 +80,27 @@ export class Gallery {
     const thumb = make("span", { class: "thumb" });
     const known = this.#pictures.get(name);
     if (known) thumb.append(make("img", { src: known, alt: "" }));
-    return make("li", {}, make("button", {
-      class: "scene", "data-name": name, "aria-current": "false", title: description || heading_of({ name, title }),
-      on_click: () => this.open(name),
-    }, thumb, make("span", { class: "title" }, heading_of({ name, title }))));
+    return make(
+      "li",
+      {},
+      make(
+        "button",
+        {
+          class: "scene",
+          "data-name": name,
+          "aria-current": "false",
+          title: description || heading_of({ name, title }),
+          on_click: () => this.open(name),
+        },
+        thumb,
+        make("span", { class: "title" }, heading_of({ name, title })),
+      ),
+    );
   }
 
   #select(name) {
-    for (const node of find_all(".scene")) node.setAttribute("aria-current", String(node.dataset.name === name));
+    for (const node of find_all(".scene"))
+      node.setAttribute("aria-current", String(node.dataset.name === name));
   }
 
   #mark(state) {
@@ -90,7 +108,10 @@ export class Gallery {
     for (const node of find_all(".scene")) {
       const busy = node.dataset.name === state.scene && state.status === "preparing";
       let bar = find("progress", node);
-      if (!busy) { bar?.remove(); continue; }
+      if (!busy) {
+        bar?.remove();
+        continue;
+      }
       if (!bar) {
         bar = make("progress", { max: 1, "aria-label": "Preparing" });
         find(".thumb", node).append(bar);
@@ -104,7 +125,9 @@ export class Gallery {
     for (const wait of THUMB_RETRY_MS) {
       if (round !== this.#round) return;
       try {
-        const answer = await get_picture(`/api/scenes/${encodeURIComponent(name)}/thumb.jpg?theme=${theme}`);
+        const answer = await get_picture(
+          `/api/scenes/${encodeURIComponent(name)}/thumb.jpg?theme=${theme}`,
+        );
         if (answer) return this.#show_thumb(name, answer.blob);
       } catch {
         // The next round asks again: a missing thumbnail is not worth a message.

@@ -35,7 +35,9 @@ export class Series extends Emitter {
 
   csv() {
     const names = Object.keys(this.columns);
-    const rows = this.frames.map((frame, i) => [frame, ...names.map((name) => this.columns[name][i])].join(","));
+    const rows = this.frames.map((frame, i) =>
+      [frame, ...names.map((name) => this.columns[name][i])].join(","),
+    );
     return [["frame", ...names].join(","), ...rows].join("\n") + "\n";
   }
 
@@ -46,11 +48,15 @@ export class Series extends Emitter {
   }
 
   async #fetch() {
-    if (this.#busy) { this.#again = true; return; }
+    if (this.#busy) {
+      this.#again = true;
+      return;
+    }
     this.#busy = true;
     this.#again = false;
     try {
-      const first = (this.frames.at(-1) ?? -1) + 1, held = this.frames;
+      const first = (this.frames.at(-1) ?? -1) + 1,
+        held = this.frames;
       const { frames, columns } = await get_json(`/api/series?from=${first}`);
       if (held === this.frames) this.#append(frames, columns);
     } catch {

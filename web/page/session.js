@@ -16,7 +16,8 @@ export class Session extends Emitter {
     for (;;) {
       const started = performance.now();
       try {
-        const after = this.connected && this.state ? `?after=${this.state.revision}&wait=${WAIT_MS}` : "";
+        const after =
+          this.connected && this.state ? `?after=${this.state.revision}&wait=${WAIT_MS}` : "";
         const timeout = AbortSignal.timeout(WAIT_MS + 5000);
         this.#accept(await get_json(`/api/state${after}`, { signal: timeout }));
       } catch (error) {
@@ -32,7 +33,8 @@ export class Session extends Emitter {
     this.#failures = 0;
     if (found) this.emit("found");
     const other_scene = !this.state || this.state.scene !== state.scene;
-    const same = this.state && this.state.revision === state.revision && !found && !this.state.expected;
+    const same =
+      this.state && this.state.revision === state.revision && !found && !this.state.expected;
     this.state = state;
     if (other_scene) this.emit("scene", state);
     if (!same) this.emit("state", state);
@@ -45,7 +47,9 @@ export class Session extends Emitter {
       this.emit("lost", { seconds: left });
       const woken = await Promise.race([
         pause_for(1000),
-        new Promise((resolve) => { this.#wake = () => resolve(true); }),
+        new Promise((resolve) => {
+          this.#wake = () => resolve(true);
+        }),
       ]);
       if (woken) break;
     }

@@ -13,16 +13,27 @@ const FIGURES = [
 ];
 
 export function show_stats(session, picture) {
-  const figures = FIGURES.map(([id, words, optional]) => make("span", { class: optional ? "optional" : null },
-    make("b", { id: `stat-${id}` }, "–"), ` ${words}`));
-  find("#stats").append(...figures, make("span", {}, make("b", { id: "stat-rate" }, "0"), " frames/s"));
+  const figures = FIGURES.map(([id, words, optional]) =>
+    make(
+      "span",
+      { class: optional ? "optional" : null },
+      make("b", { id: `stat-${id}` }, "–"),
+      ` ${words}`,
+    ),
+  );
+  find("#stats").append(
+    ...figures,
+    make("span", {}, make("b", { id: "stat-rate" }, "0"), " frames/s"),
+  );
   session.on("state", (state) => {
     for (const [id, , , figure] of FIGURES) set_text(find(`#stat-${id}`), figure(state));
   });
   let last = 0;
-  picture.on("shown", () => { last = performance.now(); });
+  picture.on("shown", () => {
+    last = performance.now();
+  });
   setInterval(() => {
     const idle = performance.now() - last > 1500;
-    set_text(find("#stat-rate"), idle ? "0" : format_number(picture.rate, 2));
+    set_text(find("#stat-rate"), idle ? "0" : format_count(picture.rate));
   }, 500);
 }

@@ -5,23 +5,37 @@ import { send_file } from "./api.js";
 const MOST_BYTES = 64 * 1024 * 1024;
 
 export function watch_upload(gallery) {
-  const note = find("#upload-note"), picker = find("#upload-file"), veil = find("#veil");
+  const note = find("#upload-note"),
+    picker = find("#upload-file"),
+    veil = find("#veil");
   find("#upload-button").hidden = false;
 
-  const say = (kind, title, text, ...more) => note.replaceChildren(
-    make("div", { class: `upload-note ${kind}` }, make("b", {}, title), text ? make("div", {}, text) : "", ...more));
+  const say = (kind, title, text, ...more) =>
+    note.replaceChildren(
+      make(
+        "div",
+        { class: `upload-note ${kind}` },
+        make("b", {}, title),
+        text ? make("div", {}, text) : "",
+        ...more,
+      ),
+    );
 
   async function load(file) {
     if (!file) return;
-    if (file.size > MOST_BYTES) return say("refused", `${file.name} is too large.`, "At most 64 MB can be loaded.");
+    if (file.size > MOST_BYTES)
+      return say("refused", `${file.name} is too large.`, "At most 64 MB can be loaded.");
     const bar = make("progress", { max: 1, "aria-label": `Sending ${file.name}` });
     say("", `Sending ${file.name}`, "", bar);
     try {
-      const { name, notes = [] } = await send_file(`/api/meshes?name=${encodeURIComponent(file.name)}`, file,
+      const { name, notes = [] } = await send_file(
+        `/api/meshes?name=${encodeURIComponent(file.name)}`,
+        file,
         (share) => {
           if (share < 1) bar.value = share;
           else bar.removeAttribute("value");
-        });
+        },
+      );
       await gallery.load();
       if (gallery.names().includes(name)) await gallery.open(name);
       if (notes.length) say("", `${file.name} is loaded.`, notes.join(" "));
@@ -32,14 +46,19 @@ export function watch_upload(gallery) {
   }
 
   find("#upload-button").addEventListener("click", () => picker.click());
-  picker.addEventListener("change", () => { load(picker.files[0]); picker.value = ""; });
+  picker.addEventListener("change", () => {
+    load(picker.files[0]);
+    picker.value = "";
+  });
   const carries_file = (event) => event.dataTransfer?.types.includes("Files");
   addEventListener("dragover", (event) => {
     if (!carries_file(event)) return;
     event.preventDefault();
     veil.hidden = false;
   });
-  addEventListener("dragleave", (event) => { if (!event.relatedTarget) veil.hidden = true; });
+  addEventListener("dragleave", (event) => {
+    if (!event.relatedTarget) veil.hidden = true;
+  });
   addEventListener("drop", (event) => {
     if (!carries_file(event)) return;
     event.preventDefault();

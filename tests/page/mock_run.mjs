@@ -1,0 +1,249 @@
+// An invented run: its scenes, parameters, frames and figures.
+
+const SCENES = [
+  ["tear", "Notched bar", "pulled apart, Rankine", 20480, {}],
+  [
+    "crush",
+    "Crushed block",
+    "pressed in a frame, von Mises",
+    20104,
+    { half: 0.3, height: 0.2, depth: 0.2 },
+  ],
+  ["bone", "Bone", "pulled apart", 31220, { half: 0.45, height: 0.12, depth: 0.12 }],
+  [
+    "twist",
+    "Twisted bar",
+    "turned by 270 degrees, Rankine",
+    24576,
+    { half: 0.4, height: 0.09, depth: 0.09 },
+  ],
+  ["sheet", "Torn sheet", "thin plate, notched", 60000, { half: 0.4, height: 0.24, depth: 0.03 }],
+].map(([name, title, description, particles, shape]) => ({
+  name,
+  title,
+  description,
+  particles,
+  shape,
+}));
+
+const parameter = (group, id, label, unit, value, min, max, more = {}) => ({
+  id,
+  label,
+  unit,
+  value,
+  default: value,
+  min,
+  max,
+  scale: "linear",
+  help: "",
+  applies: "live",
+  group,
+  ...more,
+});
+
+const parameters = () => [
+  parameter("Material", "tau_c", "Yield threshold", "Pa", 2e4, 2e3, 2e5, {
+    scale: "log",
+    hero: true,
+    help: "Lower tears sooner.",
+  }),
+  parameter("Material", "softening", "Softening", "Pa", 1e5, 0, 4e5, {
+    help: "Threshold lost per unit of plastic stretch.",
+  }),
+  parameter("Material", "youngs_modulus", "Young's modulus", "Pa", 1e5, 1e4, 1e7, {
+    scale: "log",
+    applies: "reset",
+  }),
+  parameter("Fracture", "stretch", "Stretch threshold", "×", 1.35, 1.05, 3, {
+    applies: "postprocess",
+  }),
+  parameter("Fracture", "smoothing", "Smoothing", "passes", 5, 0, 20, {
+    step: 1,
+    applies: "postprocess",
+  }),
+  parameter("Solver", "cfl", "Courant number", "", 0.6, 0.05, 1, {}),
+  parameter("Solver", "transfer", "Transfer", "", "apic", 0, 0, {
+    choices: ["pic", "apic", "flip"],
+    applies: "reset",
+  }),
+  parameter("View", "cutaway", "Cutaway", "%", 0, 0, 100, { step: 1 }),
+];
+
+/// One invented run: `frames` frames at 24 per second, one recorded every `frame_ms` while playing.
+export class MockRun {
+  constructor({ frames = 120, frame_ms = 70, most_width = 240 } = {}) {
+    Object.assign(this, {
+      frames,
+      frame_ms,
+      most_width,
+      revision: 1,
+      frame: 0,
+      status: "paused",
+      scene: "tear",
+      reason: null,
+      progress: null,
+      uploads: [],
+      patches: [],
+      actions: [],
+      frame_requests: [],
+      patch_ms: 0,
+      picture_ms: 0,
+      patches_in_flight: 0,
+      most_patches_in_flight: 0,
+      down: false,
+    });
+    this.parameters = parameters();
+    this.waiting = new Set();
+    this.timer = setInterval(() => {
+      if (this.status === "playing") this.advance();
+    }, frame_ms);
+  }
+
+  changed() {
+    this.revision++;
+    for (const wake of this.waiting) wake();
+    this.waiting.clear();
+  }
+
+  /// Resolves at the next change, or after `ms`.
+  change_within(ms) {
+    return new Promise((resolve) => {
+      const timer = setTimeout(resolve, ms);
+      this.waiting.add(() => {
+        clearTimeout(timer);
+        resolve();
+      });
+    });
+  }
+
+  advance() {
+    if (this.frame >= this.frames) this.status = "finished";
+    else this.frame++;
+    this.changed();
+  }
+
+  set(values) {
+    Object.assign(this, values);
+    this.changed();
+  }
+
+  get scenes() {
+    return [
+      ...SCENES,
+      ...this.uploads.map((name) => ({
+        ...SCENES[2],
+        name,
+        title: name,
+        description: "your mesh",
+      })),
+    ];
+  }
+
+  get share() {
+    return this.frame / this.frames;
+  }
+
+  state() {
+    const { title, description, particles } = this.scenes.find(({ name }) => name === this.scene);
+    const events = [
+      [Math.round(0.38 * this.frames), "first yield"],
+      [Math.round(0.6 * this.frames), "two pieces"],
+    ]
+      .filter(([frame]) => frame <= this.frame)
+      .map(([frame, name]) => ({ frame, name }));
+    const { revision, scene, status, reason, progress, frame, frames } = this;
+    return {
+      revision,
+      scene,
+      title,
+      description,
+      status,
+      message: reason?.text ?? "",
+      reason,
+      progress,
+      frame,
+      frames,
+      time: frame / 24,
+      frame_rate: 24,
+      particles,
+      substeps: 35,
+      dt: 1.19e-3,
+      realtime_factor: 0.58,
+      frames_per_second: 14,
+      seconds: { simulate: 0.041, remesh: 0.012, render: 0.015, encode: 0.003 },
+      ...this.counts(frame),
+      camera: { eye: [-1.15, 0.95, 1.75], target: [0, 0.27, 0], fov: 30 },
+      events,
+      notes: [
+        "The body is split into 20,480 particles on 8 per cell.",
+        "Surface particles lie on the surface.",
+      ],
+    };
+  }
+
+  counts(frame) {
+    const share = frame / this.frames,
+      broken = Math.round(3120 * Math.max(0, Math.min(1, (share - 0.42) / 0.3)) ** 2);
+    return {
+      broken_edges: broken,
+      pieces: share > 0.6 ? 2 : 1,
+      yielded: broken * 2,
+      damaged: broken,
+    };
+  }
+
+  series(from) {
+    const frames = Array.from({ length: Math.max(0, this.frame - from + 1) }, (_, i) => from + i);
+    const column = (f) => frames.map((frame) => f(frame / this.frames, frame));
+    const elastic = (t) =>
+      t < 0.6 ? 30 * Math.min(0.9, (t * 3) ** 1.5) : 6 + 20 * Math.exp(-(t - 0.6) * 30);
+    return {
+      from,
+      frames,
+      columns: {
+        time: column((t, frame) => frame / 24),
+        kinetic_energy: column((t) => 1 + (t > 0.6 ? 12 * Math.exp(-(t - 0.6) * 10) : 0)),
+        elastic_energy: column(elastic),
+        dissipated_energy: column((t) => 34 * Math.max(0, Math.min(1, (t - 0.35) / 0.4))),
+        broken_edges: column((t, frame) => this.counts(frame).broken_edges),
+        pieces: column((t, frame) => this.counts(frame).pieces),
+        sim_seconds: column(() => 0.041),
+        post_seconds: column(() => 0.012),
+        render_seconds: column(() => 0.015),
+      },
+    };
+  }
+
+  patch(values) {
+    const bad = [];
+    for (const [id, value] of Object.entries(values)) {
+      const known = this.parameters.find((entry) => entry.id === id);
+      const fits =
+        known &&
+        (known.choices ? known.choices.includes(value) : value >= known.min && value <= known.max);
+      if (!fits)
+        bad.push({ pointer: `/values/${id}`, detail: `${value} is not allowed for ${id}` });
+    }
+    if (bad.length) return bad;
+    for (const [id, value] of Object.entries(values))
+      this.parameters.find((entry) => entry.id === id).value = value;
+    this.changed();
+    return [];
+  }
+
+  act(name, body) {
+    this.actions.push({ name, ...body });
+    if (name === "play" && this.status === "paused") this.status = "playing";
+    else if (name === "pause" && this.status === "playing") this.status = "paused";
+    else if (name === "reset") Object.assign(this, { frame: 0, status: "paused", reason: null });
+    else if (name === "step") {
+      if (this.frame < this.frames) this.frame += body.frames ?? 1;
+      this.status = this.frame >= this.frames ? "finished" : "paused";
+    }
+    this.changed();
+  }
+
+  close() {
+    clearInterval(this.timer);
+  }
+}

@@ -114,17 +114,28 @@ void BreakCriterion::find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
     const Real strength = strength_.empty() ? 1 : strength_[p];
     return std::exp(std::max(0.f, 1 - damage(p)) * strength * yield_strain_[material_[p]]) - 1;
   };
+  const auto allowed = [&](Index p, Index q) {
+    const Real strain = std::min(elastic_strain(p), elastic_strain(q));
+    return settings_.gap * t.mean_edge[t.body[p]] + strain * (t.X[q] - t.X[p]).norm();
+  };
+  // A neighbour across the crack may have kept the lengths of all its edges: the rotation of this side tells.
+  std::vector<Index> across;
+  for (Index a : looked_at) {
+    const Mat3 R = rotations.of(a).toRotationMatrix();
+    for (Index b : crack.linked(a))
+      if (!marked[b] && (snapshot.x[b] - snapshot.x[a] - R * (t.X[b] - t.X[a])).norm() > allowed(a, b))
+        marked[b] = 1, across.push_back(b);
+  }
+  rotations.fit_robust(across, snapshot.x, crack);
+  looked_at.insert(looked_at.end(), across.begin(), across.end());
   for (Index a : looked_at) {
     const Mat3 R_a = rotations.of(a).toRotationMatrix();
     for (Index e = t.edge_row[a]; e < t.edge_row[a + 1]; ++e) {
       const Index b = t.edge_to[e];
-      // A neighbour without a strained edge moves along with a.
       if (!marked[b] || crack.broken(e) || !(suspect(a) || suspect(b))) continue;
-      const Vec3 X_ab = t.X[b] - t.X[a];
       const Mat3 R = 0.5 * (R_a + rotations.of(b).toRotationMatrix());
-      const Real gap = (snapshot.x[b] - snapshot.x[a] - R * X_ab).norm();
-      const Real allowed = std::min(elastic_strain(a), elastic_strain(b)) * X_ab.norm();
-      if (gap > settings_.gap * t.mean_edge[t.body[a]] + allowed) edges.push_back(e);
+      const Real gap = (snapshot.x[b] - snapshot.x[a] - R * (t.X[b] - t.X[a])).norm();
+      if (gap > allowed(a, b)) edges.push_back(e);
     }
   }
 }

@@ -59,14 +59,16 @@ Eigen::Quaterniond fit_rotation(const Mat3& A, const Eigen::Quaterniond& start) 
   return q;
 }
 
+bool ShapeMoments::on_line() const {
+  // Sum of the principal minors over the trace: depends on rest positions only, so there is no jump while the
+  // neighbours stay the same.
+  const Real trace = rest.trace();
+  return 0.5 * (trace * trace - rest.squaredNorm()) <= 1e-3 * trace * trace;
+}
+
 Eigen::Quaterniond ShapeMoments::rotation(const Eigen::Quaterniond& start) const {
   if (count == 0) return start;
-  const Real trace = rest.trace();
-  const Real minors = 0.5 * (trace * trace - rest.squaredNorm());
-  // Depends on rest positions only: no jump while the neighbours stay the same.
-  const Real line = 1 - minors / (1e-3 * trace * trace);
-  if (line <= 0) return fit_rotation(A, start);
-  // Around the axis nothing is known: turn `start` by the shortest arc instead.
+  if (!on_line()) return fit_rotation(A, start);
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(rest);
   const Vec3 rest_axis = axes.eigenvectors().col(2);
   const Vec3 axis = A * rest_axis;

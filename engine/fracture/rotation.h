@@ -26,8 +26,14 @@ struct ShapeMoments {
     rest.noalias() += X_ab * weighted.transpose();
     ++count;
   }
-  /// No neighbour: `start`. Neighbours on a line: the turn about the line is that of `start`. Else
-  /// the fit.
+  void add(const ShapeMoments& other) {
+    A += other.A;
+    rest += other.rest;
+    count += other.count;
+  }
+  /// Neighbours on a line say nothing about the turn about that line.
+  bool on_line() const;
+  /// No neighbour: `start`. Neighbours on a line: `start`, turned by the shortest arc. Else the fit.
   Eigen::Quaterniond rotation(const Eigen::Quaterniond& start) const;
 };
 

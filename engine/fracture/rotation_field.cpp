@@ -8,13 +8,13 @@ namespace rend {
 namespace {
 
 constexpr Index grain = 512;
-constexpr Real misfit_scale = 0.25;  // of the mean edge length
+constexpr Real misfit_scale = 0.2;  // of the mean edge length
 
 Eigen::Quaterniond robust_rotation(Index p, std::span<const Vec3> x, const CrackMesh& crack,
                                    Eigen::Quaterniond q, bool warm) {
   const TetTables& tables = crack.tables();
   const Real scale = misfit_scale * tables.mean_edge[tables.body[p]];
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < 4; ++round) {
     ShapeMoments moments;
     for (Index b : crack.linked(p)) {
       const Vec3 X_ab = tables.X[b] - tables.X[p], x_ab = x[b] - x[p];
@@ -47,13 +47,20 @@ void RotationField::fit(std::span<const Index> particles, std::span<const Vec3> 
                         const CrackMesh& crack) {
   reserve(particles);
   const std::vector<Vec3>& X = crack.tables().X;
-  parallel_for(static_cast<Index>(particles.size()), grain, [&](Index i) {
-    const Index p = particles[i];
+  const auto moments_of = [&](Index p) {
     ShapeMoments moments;
     for (Index b : crack.linked(p)) {
       const Vec3 X_ab = X[b] - X[p];
       moments.add(x[b] - x[p], X_ab, 1 / X_ab.squaredNorm());
     }
+    return moments;
+  };
+  parallel_for(static_cast<Index>(particles.size()), grain, [&](Index i) {
+    const Index p = particles[i];
+    ShapeMoments moments = moments_of(p);
+    // Hanging on a thread, a particle turns with what it hangs on.
+    if (moments.count > 0 && moments.on_line())
+      for (Index b : crack.linked(p)) moments.add(moments_of(b));
     Eigen::Quaterniond& q = rotation_[slot_[p]];
     q = moments.rotation(q);
   });

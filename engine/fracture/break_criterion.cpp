@@ -118,12 +118,14 @@ void BreakCriterion::find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
     const Real strain = std::min(elastic_strain(p), elastic_strain(q));
     return settings_.gap * t.mean_edge[t.body[p]] + strain * (t.X[q] - t.X[p]).norm();
   };
-  // A neighbour across the crack may have kept the lengths of all its edges: the rotation of this side tells.
+  // A neighbour across the crack may have kept the lengths of all its edges: the rotation of this
+  // side tells.
   std::vector<Index> across;
   for (Index a : looked_at) {
     const Mat3 R = rotations.of(a).toRotationMatrix();
     for (Index b : crack.linked(a))
-      if (!marked[b] && (snapshot.x[b] - snapshot.x[a] - R * (t.X[b] - t.X[a])).norm() > allowed(a, b))
+      if (!marked[b] &&
+          (snapshot.x[b] - snapshot.x[a] - R * (t.X[b] - t.X[a])).norm() > allowed(a, b))
         marked[b] = 1, across.push_back(b);
   }
   rotations.fit_robust(across, snapshot.x, crack);

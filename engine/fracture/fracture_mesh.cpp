@@ -25,6 +25,13 @@ Real seconds_since(Clock::time_point start) {
   return std::chrono::duration<Real>(Clock::now() - start).count();
 }
 
+// Seconds since `start`, which moves on to now.
+Real lap(Clock::time_point& start) {
+  const Real seconds = seconds_since(start);
+  start = Clock::now();
+  return seconds;
+}
+
 // A middle may still move while the crack grows through its tets; after so many updates it is
 // frozen.
 constexpr Index young = 3;
@@ -59,6 +66,7 @@ struct FractureMesh::State {
     crack.emplace(setup->tables);
     pieces.emplace(setup->tables);
     rotations.emplace(setup->tables.particle_count());
+    update_of_record.clear();
     updates = 0;
     rotation_frame = -1;
   }
@@ -82,6 +90,7 @@ struct FractureMesh::State {
   Real rotation_time = 0;
   Index last_frame = 0;
   Index new_broken = 0;
+  mutable FractureStages stages;  // clocks only
   Real update_seconds = 0;
   mutable Real surface_seconds = 0;
 };
@@ -142,13 +151,17 @@ std::vector<Index> FractureMesh::State::due(Index frame) const {
 }
 
 void FractureMesh::State::cut(std::span<const Index> edges, Index frame) {
+  auto start = Clock::now();
   const auto first_new = static_cast<Index>(crack->broken_edges().size());
   crack->break_edges(edges, frame);
+  stages.cut = lap(start);
   new_broken = static_cast<Index>(crack->broken_edges().size()) - first_new;
   if (new_broken == 0) return;
   update_of_record.resize(crack->broken_edges().size(), updates);
   smooth(first_new);
+  stages.smooth = lap(start);
   pieces->update(*crack);
+  stages.pieces = lap(start);
 }
 
 void FractureMesh::State::smooth(Index first_new) {
@@ -225,6 +238,8 @@ void FractureMesh::update(const Snapshot& snapshot) {
   if (s.playback && snapshot.frame < s.last_frame) s.reset();
   ++s.updates;
   s.last_frame = snapshot.frame;
+  s.stages = {};
+  auto clock = start;
   const std::vector<Index> edges =
       s.playback ? s.due(snapshot.frame) : s.criterion.find(snapshot, *s.crack, *s.rotations);
   // A particle that comes loose at once keeps the turn it had with the neighbours it is losing.
@@ -235,8 +250,11 @@ void FractureMesh::update(const Snapshot& snapshot) {
   std::sort(unknown.begin(), unknown.end());
   unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
   s.rotations->fit_robust(unknown, snapshot.x, *s.crack);
+  s.stages.test = lap(clock);
   s.cut(edges, snapshot.frame);
+  clock = Clock::now();
   s.turn(snapshot);
+  s.stages.rotations = lap(clock);
   s.update_seconds = seconds_since(start);
   s.surface_seconds = 0;
 }
@@ -250,14 +268,18 @@ SurfaceMesh FractureMesh::surface(const Snapshot& snapshot) const {
 void FractureMesh::surface(const Snapshot& snapshot, SurfaceMesh& mesh) const {
   const auto start = Clock::now();
   const State& s = *state_;
+  SurfaceTimes times;
   if (snapshot.frame == s.rotation_frame && snapshot.time == s.rotation_time) {
-    build_surface(*s.crack, *s.pieces, *s.rotations, s.setup->crease, snapshot, mesh);
+    build_surface(*s.crack, *s.pieces, *s.rotations, s.setup->crease, snapshot, mesh, &times);
   } else {
     RotationField rotations = *s.rotations;
     rotations.fit(s.crack->near_crack(), snapshot.x, *s.crack);
-    build_surface(*s.crack, *s.pieces, rotations, s.setup->crease, snapshot, mesh);
+    build_surface(*s.crack, *s.pieces, rotations, s.setup->crease, snapshot, mesh, &times);
   }
   s.surface_seconds = seconds_since(start);
+  s.stages.positions = times.positions;
+  s.stages.triangles = times.triangles;
+  s.stages.normals = times.normals;
 }
 
 FractureReport FractureMesh::report() const {
@@ -269,6 +291,8 @@ FractureReport FractureMesh::report() const {
   report.seconds = s.update_seconds + s.surface_seconds;
   return report;
 }
+
+FractureStages FractureMesh::stages() const { return state_->stages; }
 
 BreakTable FractureMesh::break_table() const {
   BreakTable table;

@@ -21,6 +21,21 @@ struct FractureReport {
   Real seconds = 0;      ///< wall time of the last update and surface
 };
 
+/// Where the time of the last update and surface went, wall time [s]; for benchmarks.
+struct FractureStages {
+  Real test = 0;       ///< break test of all edges
+  Real cut = 0;        ///< new copies and triangles of changed tets
+  Real smooth = 0;     ///< rest positions of new crack vertices
+  Real pieces = 0;     ///< components
+  Real rotations = 0;  ///< of particles near cracks
+  Real positions = 0;  ///< positions and fields of all vertices
+  Real triangles = 0;
+  Real normals = 0;
+  Real sum() const {
+    return test + cut + smooth + pieces + rotations + positions + triangles + normals;
+  }
+};
+
 /// When every edge broke: all that is needed to play a run back, and to smooth it knowing how it
 /// ends.
 struct BreakTable {
@@ -60,6 +75,7 @@ class FractureMesh {
   void surface(const Snapshot& snapshot, SurfaceMesh& mesh) const;
 
   FractureReport report() const;
+  FractureStages stages() const;
   BreakTable break_table() const;
 
   /// The broken set itself, and the memory of it all [bytes per particle]; for tests and

@@ -60,8 +60,8 @@ Eigen::Quaterniond fit_rotation(const Mat3& A, const Eigen::Quaterniond& start) 
 }
 
 bool ShapeMoments::on_line() const {
-  // Sum of the principal minors over the trace: depends on rest positions only, so there is no jump while the
-  // neighbours stay the same.
+  // Sum of the principal minors over the trace: depends on rest positions only, so there is no jump
+  // while the neighbours stay the same.
   const Real trace = rest.trace();
   return 0.5 * (trace * trace - rest.squaredNorm()) <= 1e-3 * trace * trace;
 }

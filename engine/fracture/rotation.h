@@ -33,7 +33,8 @@ struct ShapeMoments {
   }
   /// Neighbours on a line say nothing about the turn about that line.
   bool on_line() const;
-  /// No neighbour: `start`. Neighbours on a line: `start`, turned by the shortest arc. Else the fit.
+  /// No neighbour: `start`. Neighbours on a line: `start`, turned by the shortest arc. Else the
+  /// fit.
   Eigen::Quaterniond rotation(const Eigen::Quaterniond& start) const;
 };
 

@@ -11,6 +11,8 @@ namespace rend {
 namespace {
 
 constexpr Real t_min = 0.05, t_max = 0.95;
+// Less than a whole step: a plane gets smooth almost as fast, a wavy face keeps more of its waves.
+constexpr Real relaxation = 0.75;
 
 Real whole_share(const CrackMesh& crack, Index p) {
   const TetTables& tables = crack.tables();
@@ -96,7 +98,7 @@ void smooth_middles(CrackMesh& crack, std::span<const Index> records, int iterat
       const bool steep = std::abs(slope) > 0.15 * normal.norm() * edge.norm();
       const Real target = steep ? normal.dot(mean - from) / slope
                                 : b.t + 0.5 * (mean - self).dot(edge) / edge.squaredNorm();
-      crack.place_middle(records[i], std::clamp(target, t_min, t_max));
+      crack.place_middle(records[i], std::clamp(b.t + relaxation * (target - b.t), t_min, t_max));
     }
 }
 

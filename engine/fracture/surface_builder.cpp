@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <chrono>
 
 namespace rend {
 
@@ -34,13 +35,19 @@ class Builder {
         out_(surface),
         skin_vertices_(static_cast<Index>(tables_.skin_particle.size())) {}
 
-  void run() {
+  SurfaceTimes run() {
+    using Clock = std::chrono::steady_clock;
+    const auto seconds = [](Clock::duration d) { return std::chrono::duration<Real>(d).count(); };
+    const auto start = Clock::now();
     number_copies();
     size_vertices();
     place_skin();
     place_copies();
+    const auto placed = Clock::now();
     write_triangles();
+    const auto written = Clock::now();
     write_normals();
+    return {seconds(placed - start), seconds(written - placed), seconds(Clock::now() - written)};
   }
 
  private:
@@ -194,8 +201,9 @@ class Builder {
 
 void build_surface(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
                    const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
-                   SurfaceMesh& surface) {
-  Builder(crack, pieces, rotations, crease, snapshot, surface).run();
+                   SurfaceMesh& surface, SurfaceTimes* times) {
+  const SurfaceTimes spent = Builder(crack, pieces, rotations, crease, snapshot, surface).run();
+  if (times) *times = spent;
 }
 
 }  // namespace rend

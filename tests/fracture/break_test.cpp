@@ -35,7 +35,8 @@ struct Found {
   bool good;
 };
 
-Found open_crack(const Model& model, const SceneDesc& scene, const Vec3& opening, Real strain = 0, int frames = 1) {
+Found open_crack(const Model& model, const SceneDesc& scene, const Vec3& opening, Real strain = 0,
+                 int frames = 1) {
   const Vec3 normal = Vec3(.36, .48, .8), origin(.5, .5, .51);
   const Vec3 along = Vec3(.8, 0, -.36).normalized();
   const Eigen::AngleAxisd Q(.7, Vec3(1, 2, 3).normalized());
@@ -45,10 +46,13 @@ Found open_crack(const Model& model, const SceneDesc& scene, const Vec3& opening
   Snapshot now;
   for (int f = 1; f <= frames; ++f) {
     const Real share = static_cast<Real>(f) / frames;
-    now = moved(model, [&](const Vec3& X) {
-      const Vec3 strained = X + strain * (X - origin).dot(along) * along;
-      return Vec3(Q * (strained + (side(X) ? -.5 : .5) * share * jump));
-    }, f);
+    now = moved(
+        model,
+        [&](const Vec3& X) {
+          const Vec3 strained = X + strain * (X - origin).dot(along) * along;
+          return Vec3(Q * (strained + (side(X) ? -.5 : .5) * share * jump));
+        },
+        f);
     mesh.update(now);
   }
   const BreakTable table = mesh.break_table();
@@ -57,8 +61,8 @@ Found open_crack(const Model& model, const SceneDesc& scene, const Vec3& opening
   for (const Edge& e : edges) crossing += side(model.X[e[0]]) != side(model.X[e[1]]);
   for (const Edge& e : table.edge) hits += side(model.X[e[0]]) != side(model.X[e[1]]);
   return {static_cast<Real>(hits) / static_cast<Real>(crossing),
-          static_cast<Real>(table.edge.size() - hits) / static_cast<Real>(edges.size() - crossing), mesh.report(),
-          check_mesh(mesh.surface(now)).good()};
+          static_cast<Real>(table.edge.size() - hits) / static_cast<Real>(edges.size() - crossing),
+          mesh.report(), check_mesh(mesh.surface(now)).good()};
 }
 
 }  // namespace
@@ -77,7 +81,8 @@ TEST_CASE("the gap test finds the whole crack at three quarters of an edge, open
         CHECK(slowly.share == 1);
         CHECK(slowly.false_share <= .001);
         CHECK(slowly.report.pieces == 2);
-        // Even when the faces jump apart within one frame the neighbours across do not spoil the rotations.
+        // Even when the faces jump apart within one frame the neighbours across do not spoil the
+        // rotations.
         const Found jump = open_crack(model, plain_scene(), 2 * mode, strain);
         CHECK(jump.share == 1);
         CHECK(jump.false_share <= .01);
@@ -87,11 +92,14 @@ TEST_CASE("the gap test finds the whole crack at three quarters of an edge, open
 TEST_CASE("elastic strain does not cut, however large") {
   const Model model = kuhn_box({6, 6, 6}, {1, 1, 1}, .25, 22);
   for (Real strain : {.5, 1.}) {
-    const auto stretched = [&](const Vec3& X) { return Vec3(X.x() * (1 + strain), X.y(), X.z() * .8); };
+    const auto stretched = [&](const Vec3& X) {
+      return Vec3(X.x() * (1 + strain), X.y(), X.z() * .8);
+    };
     FractureMesh sound(plain_scene(), model);
     sound.update(moved(model, stretched, 0, 0));
     CHECK(sound.report().broken_edges == 0);
-    // A soft material that has just begun to yield still carries exp(tau_c / E) - 1 of elastic strain.
+    // A soft material that has just begun to yield still carries exp(tau_c / E) - 1 of elastic
+    // strain.
     FractureMesh soft(soft_scene(.7), model);
     Snapshot yielding = moved(model, stretched, 0, 0);
     yielding.yielded.assign(model.X.size(), 1);
@@ -111,9 +119,11 @@ TEST_CASE("the stretch test: at its threshold, never by rotation, at any scale")
     scene.fracture.stretch = 1.8;
     const Eigen::AngleAxisd Q(2, Vec3(1, 2, 3).normalized());
     FractureMesh mesh(scene, model);
-    mesh.update(moved(model, [&](const Vec3& X) { return Vec3(Q * X * 1.79); }, 0, 0));
+    mesh.update(moved(
+        model, [&](const Vec3& X) { return Vec3(Q * X * 1.79); }, 0, 0));
     CHECK(mesh.report().broken_edges == 0);
-    mesh.update(moved(model, [&](const Vec3& X) { return Vec3(Q * X * 1.81); }, 1, 0));
+    mesh.update(moved(
+        model, [&](const Vec3& X) { return Vec3(Q * X * 1.81); }, 1, 0));
     CHECK(mesh.report().broken_edges == static_cast<Index>(edges_of(model).size()));
     CHECK(mesh.report().pieces == model.particle_count());
   }
@@ -126,9 +136,11 @@ TEST_CASE("auto stretch follows the strain at which the material yields") {
     scene.fracture.break_test = BreakTest::stretch;
     const Real limit = std::max(1.5, 1.3 * std::exp(strain));
     FractureMesh mesh(scene, model);
-    mesh.update(moved(model, [&](const Vec3& X) { return Vec3(.99 * limit * X); }, 0));
+    mesh.update(moved(
+        model, [&](const Vec3& X) { return Vec3(.99 * limit * X); }, 0));
     CHECK(mesh.report().broken_edges == 0);
-    mesh.update(moved(model, [&](const Vec3& X) { return Vec3(1.01 * limit * X); }, 1));
+    mesh.update(moved(
+        model, [&](const Vec3& X) { return Vec3(1.01 * limit * X); }, 1));
     CHECK(mesh.report().broken_edges > 0);
   }
 }
@@ -141,14 +153,19 @@ TEST_CASE("broken edges stay broken, pieces keep their names") {
   const auto piece_at = [&](const SurfaceMesh& s, const Vec3& X) {
     std::size_t best = 0;
     for (std::size_t i = 0; i < s.triangles.size(); ++i)
-      if ((s.rest[s.triangles[i][0]] - X).norm() < (s.rest[s.triangles[best][0]] - X).norm()) best = i;
+      if ((s.rest[s.triangles[i][0]] - X).norm() < (s.rest[s.triangles[best][0]] - X).norm())
+        best = i;
     return s.piece[best];
   };
   const Snapshot frames[] = {
-      moved(model, [](const Vec3& X) { return X; }, 0),
-      moved(model, [&](const Vec3& X) { return Vec3(X + away[third(X) == 2 ? 2 : 1]); }, 1),
-      moved(model, [&](const Vec3& X) { return Vec3(X + away[third(X)]); }, 2),
-      moved(model, [](const Vec3& X) { return X; }, 3)};
+      moved(
+          model, [](const Vec3& X) { return X; }, 0),
+      moved(
+          model, [&](const Vec3& X) { return Vec3(X + away[third(X) == 2 ? 2 : 1]); }, 1),
+      moved(
+          model, [&](const Vec3& X) { return Vec3(X + away[third(X)]); }, 2),
+      moved(
+          model, [](const Vec3& X) { return X; }, 3)};
   const Index pieces[] = {1, 2, 3, 3};
   Index broken = 0;
   for (const Snapshot& now : frames) {
@@ -157,7 +174,8 @@ TEST_CASE("broken edges stay broken, pieces keep their names") {
     CHECK(mesh.report().pieces == pieces[now.frame]);
     CHECK(mesh.report().broken_edges >= broken);
     broken = mesh.report().broken_edges;
-    // First the larger part keeps the first name, then the left end (now the largest of the rest) inherits it.
+    // First the larger part keeps the first name, then the left end (now the largest of the rest)
+    // inherits it.
     if (now.frame == 1) {
       CHECK(piece_at(surface, {0, .5, 1}) == 0);
       CHECK(piece_at(surface, {3, .5, 1}) == 1);
@@ -174,5 +192,6 @@ TEST_CASE("broken edges stay broken, pieces keep their names") {
 TEST_CASE("a snapshot of another model is refused") {
   const Model model = kuhn_box({2, 2, 2}, {1, 1, 1}, 0, 1);
   FractureMesh mesh(plain_scene(), model);
-  CHECK_THROWS_WITH_AS(mesh.update(Snapshot{}), "snapshot: has 0 particles, the model has 27", Error);
+  CHECK_THROWS_WITH_AS(mesh.update(Snapshot{}), "snapshot: has 0 particles, the model has 27",
+                       Error);
 }

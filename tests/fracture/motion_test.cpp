@@ -17,7 +17,8 @@ namespace {
 Vec3 stay(const Vec3& X) { return X; }
 
 Eigen::Quaterniond turn(Random& random) {
-  const Eigen::Vector4d q(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1), random.next(-1, 1));
+  const Eigen::Vector4d q(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1),
+                          random.next(-1, 1));
   return Eigen::Quaterniond(q).normalized();
 }
 
@@ -49,7 +50,8 @@ TEST_CASE("a rigid motion of the whole body moves every vertex rigidly") {
       mesh.update(moved(model, stay, 0));
       const Eigen::Quaterniond R = turn(random);
       const Vec3 t = distance * Vec3(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1));
-      const Snapshot now = moved(model, [&](const Vec3& X) -> Vec3 { return R * X + t; }, 1);
+      const Snapshot now = moved(
+          model, [&](const Vec3& X) -> Vec3 { return R * X + t; }, 1);
       mesh.update(now);
       // One or two particles on their own do not know how they turned.
       const auto alone = [&](Index p) {
@@ -78,8 +80,12 @@ TEST_CASE("pieces that fly apart keep their shape") {
   mesh.update(moved(model, stay, 0));
   Random random(4, 4);
   const Eigen::Quaterniond R = turn(random);
-  const Snapshot now =
-      moved(model, [&](const Vec3& X) { return left(X) ? Vec3(R * X - Vec3(3, 0, 0)) : Vec3(X + Vec3(2, 1, 0)); }, 1);
+  const Snapshot now = moved(
+      model,
+      [&](const Vec3& X) {
+        return left(X) ? Vec3(R * X - Vec3(3, 0, 0)) : Vec3(X + Vec3(2, 1, 0));
+      },
+      1);
   mesh.update(now);
   const SurfaceMesh surface = mesh.surface(now);
   CHECK(check_mesh(surface).good());
@@ -88,7 +94,9 @@ TEST_CASE("pieces that fly apart keep their shape") {
     for (Index v : surface.triangles[i]) {
       const bool in_left = surface.x[v].x() < -0.5;
       const Vec3& X = surface.rest[v];
-      worst = std::max(worst, (surface.x[v] - (in_left ? Vec3(R * X - Vec3(3, 0, 0)) : Vec3(X + Vec3(2, 1, 0)))).norm());
+      worst = std::max(
+          worst, (surface.x[v] - (in_left ? Vec3(R * X - Vec3(3, 0, 0)) : Vec3(X + Vec3(2, 1, 0))))
+                     .norm());
     }
   CHECK(worst < 1e-12);
 }
@@ -113,12 +121,14 @@ TEST_CASE("a cut opens continuously from zero, and positions follow the particle
     CHECK(largest_distance(before, mesh.surface(b)) <= 1e-7);
   }
   // Zero opening: the cut body still looks like the uncut one, both faces in the same place.
-  FractureMesh mesh(plain_scene(), model, table_of(edges_between(model, [](const Vec3& X) { return X.x() < .5; })));
+  FractureMesh mesh(plain_scene(), model,
+                    table_of(edges_between(model, [](const Vec3& X) { return X.x() < .5; })));
   const Snapshot rest = moved(model, stay);
   mesh.update(rest);
   const SurfaceMesh surface = mesh.surface(rest);
   Real worst = 0;
-  for (std::size_t v = 0; v < surface.x.size(); ++v) worst = std::max(worst, (surface.x[v] - surface.rest[v]).norm());
+  for (std::size_t v = 0; v < surface.x.size(); ++v)
+    worst = std::max(worst, (surface.x[v] - surface.rest[v]).norm());
   CHECK(worst < 1e-13);
 }
 
@@ -134,10 +144,14 @@ TEST_CASE("rotations: exact, proper, and kept where neighbours say nothing") {
     CHECK(found.determinant() == doctest::Approx(1));
     // Flat neighbourhoods (rank 2) have one best rotation as well.
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
-    const Mat3 flat = S - eigen.eigenvalues()[0] * eigen.eigenvectors().col(0) * eigen.eigenvectors().col(0).transpose();
-    CHECK((fit_rotation(R.toRotationMatrix() * flat, start).toRotationMatrix() - R.toRotationMatrix()).norm() < 1e-7);
+    const Mat3 flat = S - eigen.eigenvalues()[0] * eigen.eigenvectors().col(0) *
+                              eigen.eigenvectors().col(0).transpose();
+    CHECK(
+        (fit_rotation(R.toRotationMatrix() * flat, start).toRotationMatrix() - R.toRotationMatrix())
+            .norm() < 1e-7);
     // Even a mirrored neighbourhood gives a rotation.
-    CHECK(fit_rotation(-R.toRotationMatrix() * S, start).toRotationMatrix().determinant() == doctest::Approx(1));
+    CHECK(fit_rotation(-R.toRotationMatrix() * S, start).toRotationMatrix().determinant() ==
+          doctest::Approx(1));
     // One neighbour: its direction is met, the rest comes from before.
     ShapeMoments line;
     const Vec3 X = Vec3(random.next(-1, 1), random.next(-1, 1), 1);
@@ -156,7 +170,8 @@ TEST_CASE("flattened, crushed and inverted bodies give finite surfaces") {
   const Vec3 scales[] = {{1, 1, 0}, {1, 0, 0}, {0, 0, 0}, {1, 1, -1}, {1e-9, 1, 1}};
   Index frame = 0;
   for (const Vec3& scale : scales) {
-    const Snapshot now = moved(model, [&](const Vec3& X) { return Vec3(scale.cwiseProduct(X)); }, frame++);
+    const Snapshot now = moved(
+        model, [&](const Vec3& X) { return Vec3(scale.cwiseProduct(X)); }, frame++);
     mesh.update(now);
     CHECK(check_mesh(mesh.surface(now)).not_finite == 0);
   }
@@ -190,7 +205,8 @@ TEST_CASE("threads do not change a bit") {
     set_thread_count(threads);
     const FractureMesh blank(plain_scene(), model);
     FractureMesh mesh = blank.playback(random_table(model, .2, 10));
-    const Snapshot now = moved(model, [](const Vec3& X) { return Vec3(X + .1 * Vec3(X.y() * X.y(), X.x(), 0)); });
+    const Snapshot now =
+        moved(model, [](const Vec3& X) { return Vec3(X + .1 * Vec3(X.y() * X.y(), X.x(), 0)); });
     mesh.update(now);
     result.push_back(mesh.surface(now));
   }

@@ -1,4 +1,5 @@
-// Shape of crack faces at rest: close to the surface that parted the particles, and fixed once it is there.
+// Shape of crack faces at rest: close to the surface that parted the particles, and fixed once it
+// is there.
 #include "engine/fracture/check_mesh.h"
 #include "tests/fracture/test_meshes.h"
 
@@ -26,7 +27,8 @@ Face crack_face(const Model& model, const Vec3& normal, Real amplitude, int smoo
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
   Real h = 0;
   const std::vector<Edge> edges = edges_of(model);
-  for (const Edge& e : edges) h += (model.X[e[0]] - model.X[e[1]]).norm() / static_cast<Real>(edges.size());
+  for (const Edge& e : edges)
+    h += (model.X[e[0]] - model.X[e[1]]).norm() / static_cast<Real>(edges.size());
   const Real spacing = model.spacing[0], wave = 2 * M_PI / (10 * spacing);
   const Vec3 origin(.5, .5, .503 + .3 * spacing);
   const auto height = [&](const Vec3& X) {
@@ -40,7 +42,8 @@ Face crack_face(const Model& model, const Vec3& normal, Real amplitude, int smoo
   };
   SceneDesc scene = plain_scene();
   scene.fracture.smoothing_iterations = smoothing;
-  FractureMesh mesh(scene, model, table_of(edges_between(model, [&](const Vec3& X) { return height(X) < 0; })));
+  FractureMesh mesh(scene, model,
+                    table_of(edges_between(model, [&](const Vec3& X) { return height(X) < 0; })));
   const Snapshot rest = moved(model, stay);
   mesh.update(rest);
   const SurfaceMesh s = mesh.surface(rest);
@@ -57,7 +60,8 @@ Face crack_face(const Model& model, const Vec3& normal, Real amplitude, int smoo
   Real area = 0, sum = 0;
   for (Index i = 0; i < s.triangle_count(); ++i) {
     if (!s.interior[i] || s.piece[i] != 0) continue;
-    const Vec3 &a = s.x[s.triangles[i][0]], &b = s.x[s.triangles[i][1]], &c = s.x[s.triangles[i][2]];
+    const Vec3 &a = s.x[s.triangles[i][0]], &b = s.x[s.triangles[i][1]],
+               &c = s.x[s.triangles[i][2]];
     const Real part = .5 * (b - a).cross(c - a).norm();
     area += part;
     for (const Vec3& m : {Vec3(.5 * (a + b)), Vec3(.5 * (b + c)), Vec3(.5 * (c + a))})
@@ -69,8 +73,8 @@ Face crack_face(const Model& model, const Vec3& normal, Real amplitude, int smoo
 }  // namespace
 
 TEST_CASE("faces of a plane crack are plane, of a wavy one wavy") {
-  const std::pair<const char*, Model> models[] = {{"jittered", kuhn_box({22, 22, 22}, {1, 1, 1}, .25, 31)},
-                                                  {"bcc", bcc_cube(17)}};
+  const std::pair<const char*, Model> models[] = {
+      {"jittered", kuhn_box({22, 22, 22}, {1, 1, 1}, .25, 31)}, {"bcc", bcc_cube(17)}};
   for (const auto& [name, model] : models) {
     for (int n = 0; n <= 8; ++n) {
       Real area = 0, plane = 0, wavy = 0;
@@ -80,8 +84,10 @@ TEST_CASE("faces of a plane crack are plane, of a wavy one wavy") {
         area += f.area_ratio / 3;
         plane += f.rms * f.rms / 3;
       }
-      for (const Vec3& normal : {normals[0], normals[1]}) wavy += std::pow(crack_face(model, normal, 1, n).rms, 2) / 2;
-      MESSAGE(name << " " << n << ": area " << area << " plane " << std::sqrt(plane) << " wavy " << std::sqrt(wavy));
+      for (const Vec3& normal : {normals[0], normals[1]})
+        wavy += std::pow(crack_face(model, normal, 1, n).rms, 2) / 2;
+      MESSAGE(name << " " << n << ": area " << area << " plane " << std::sqrt(plane) << " wavy "
+                   << std::sqrt(wavy));
     }
   }
 }

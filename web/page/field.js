@@ -12,7 +12,7 @@ import {
 
 const STEPS = 1000;
 const KEYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
-const WHEN = { reset: "after reset", postprocess: "also on recorded frames", live: "" };
+const WHEN = { reset: "after reset" };
 const at_thumb = (t) => `calc(${t} * (100% - var(--thumb)) + var(--thumb) / 2)`;
 
 /// `tried(value)` while a slider moves, `settled(value, before)` once at the end of a change.
@@ -58,9 +58,7 @@ export class Field {
   }
 
   #note() {
-    const { help, applies, hero } = this.parameter;
-    const when = hero ? "" : WHEN[applies === "reset" ? "reset" : "live"];
-    const words = hero ? help : when;
+    const words = this.parameter.hero ? "" : WHEN[this.parameter.applies];
     return words ? make("small", {}, words) : null;
   }
 
@@ -151,6 +149,7 @@ export class Field {
         number,
         make("span", { id: `${this.key}-unit` }, this.unit.text),
       ),
+      hero && help ? make("small", { class: "about" }, help) : null,
       make(
         "div",
         { class: "slide" },

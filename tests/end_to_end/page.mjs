@@ -1,0 +1,19 @@
+// The real page in a real browser on the real program; leaves a screenshot as an artefact.
+// Run: REND_BINARY=build/release/rend REND_ROOT=. node tests/end_to_end/page.mjs FOLDER_FOR_SCREENSHOTS
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { RendServer } from "./server.mjs";
+
+const page_tests = join(dirname(fileURLToPath(import.meta.url)), "../page");
+const server = await RendServer.start(process.env.REND_BINARY, process.env.REND_ROOT);
+const tests = spawn(process.execPath, ["run.mjs", process.argv[2] ?? "."], {
+  cwd: page_tests,
+  env: { ...process.env, REND_URL: server.url },
+  stdio: "inherit",
+});
+const [status] = await once(tests, "exit");
+const ended = await server.stop();
+if (ended.code !== 0) console.error(`the server ended with ${ended.code}: ${server.log}`);
+process.exit(status || ended.code);

@@ -72,7 +72,7 @@ void relax(const Solid& solid, Samples& samples) {
   for (std::size_t i = 0; i < samples.X.size(); ++i) {
     if (samples.kind[i] != SampleKind::interior || !(weight[i] > 0)) continue;
     const Vec3 x = moment[i] / weight[i];
-    if (solid.distance_within(x, 1.001 * depth) < -depth) samples.X[i] = x;
+    if (solid.clearance(x, 1.001 * depth) > depth && solid.inside(x)) samples.X[i] = x;
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "engine/core/error.h"
 #include "engine/mesh/body.h"
+#include "engine/mesh/repair.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -16,6 +17,8 @@ namespace {
 constexpr Real bytes_per_particle = 2000;
 // Grid node and its share of the block tables.
 constexpr Real bytes_per_cell = 64;
+// Lattices of the sampling, for each particle that would fit into the bounding box.
+constexpr Real bytes_per_site = 25;
 
 template <class... F>
 struct Overloaded : F... {
@@ -24,16 +27,28 @@ struct Overloaded : F... {
 
 std::string pointer(std::size_t body) { return fmt::format("/bodies/{}/shape", body); }
 
-std::unique_ptr<Solid> make_solid(const ShapeDesc& shape) {
-  return std::visit(Overloaded{[](const BoxDesc& s) { return make_box(s); },
-                               [](const SphereDesc& s) { return make_sphere(s); },
-                               [](const CylinderDesc& s) { return make_cylinder(s); },
-                               [](const TorusDesc& s) { return make_torus(s); },
-                               [](const PrismDesc& s) { return make_prism(s); },
-                               [](const MeshDesc& s) -> std::unique_ptr<Solid> {
-                                 throw Error("", "mesh files are not read yet: " + s.file);
-                               }},
-                    shape);
+struct SolidAndNotes {
+  std::unique_ptr<Solid> solid;
+  std::vector<std::string> notes;
+};
+
+SolidAndNotes make_solid(const ShapeDesc& shape, const MeshLoading& loading) {
+  std::vector<std::string> notes;
+  const auto from_mesh = [&](const MeshDesc& mesh) {
+    TriangleSurface raw = import_mesh(mesh.path.empty() ? mesh.file : mesh.path, loading);
+    try {
+      return make_mesh_solid(repair_surface(std::move(raw), notes), mesh.height);
+    } catch (const Error& e) {
+      throw Error(e.where(), mesh.file + " " + e.why());
+    }
+  };
+  auto solid = std::visit(Overloaded{[](const BoxDesc& s) { return make_box(s); },
+                                     [](const SphereDesc& s) { return make_sphere(s); },
+                                     [](const CylinderDesc& s) { return make_cylinder(s); },
+                                     [](const TorusDesc& s) { return make_torus(s); },
+                                     [](const PrismDesc& s) { return make_prism(s); }, from_mesh},
+                          shape);
+  return {std::move(solid), std::move(notes)};
 }
 
 // What `make` throws, told as trouble of this body.
@@ -46,10 +61,10 @@ auto at_body(std::size_t body, F&& make) {
   }
 }
 
-std::vector<std::unique_ptr<Solid>> make_solids(const SceneDesc& scene) {
-  std::vector<std::unique_ptr<Solid>> solids;
+std::vector<SolidAndNotes> make_solids(const SceneDesc& scene, const MeshLoading& loading) {
+  std::vector<SolidAndNotes> solids;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-    solids.push_back(at_body(b, [&] { return make_solid(scene.bodies[b].shape); }));
+    solids.push_back(at_body(b, [&] { return make_solid(scene.bodies[b].shape, loading); }));
   return solids;
 }
 
@@ -57,13 +72,15 @@ Real particle_count(const SceneDesc& scene, std::size_t b, const Solid& solid) {
   return solid.volume() * scene.bodies[b].particles_per_cell / std::pow(scene.grid.dx, 3);
 }
 
-ModelEstimate estimate(const SceneDesc& scene, const std::vector<std::unique_ptr<Solid>>& solids) {
+ModelEstimate estimate(const SceneDesc& scene, const std::vector<SolidAndNotes>& solids) {
   ModelEstimate e;
   for (std::size_t b = 0; b < solids.size(); ++b) {
-    const Real particles = particle_count(scene, b, *solids[b]);
-    const Real cells = (solids[b]->bounds().size() / scene.grid.dx + Vec3::Constant(4)).prod();
+    const Real particles = particle_count(scene, b, *solids[b].solid);
+    const Real cells =
+        (solids[b].solid->bounds().size() / scene.grid.dx + Vec3::Constant(4)).prod();
     e.particles += particles;
-    e.bytes += bytes_per_particle * particles + bytes_per_cell * cells;
+    e.bytes += bytes_per_particle * particles +
+               (bytes_per_cell + bytes_per_site * scene.bodies[b].particles_per_cell) * cells;
   }
   return e;
 }
@@ -98,14 +115,17 @@ void append(const SceneDesc& scene, std::size_t b, const Body& body, Model& mode
 
 }  // namespace
 
-ModelEstimate estimate_model(const SceneDesc& scene) { return estimate(scene, make_solids(scene)); }
+ModelEstimate estimate_model(const SceneDesc& scene, const MeshLoading& loading) {
+  return estimate(scene, make_solids(scene, loading));
+}
 
-Model build_model(const SceneDesc& scene, double memory_limit, const Progress& progress) {
+Model build_model(const SceneDesc& scene, double memory_limit, const Progress& progress,
+                  const MeshLoading& loading) {
   const auto report = [&](const char* stage, Real share) {
     if (progress) progress(stage, share);
   };
   report("shapes", 0);
-  const auto solids = make_solids(scene);
+  const auto solids = make_solids(scene, loading);
   const ModelEstimate size = estimate(scene, solids);
   if (!(size.bytes <= memory_limit))
     throw Error("/grid/dx",
@@ -116,10 +136,11 @@ Model build_model(const SceneDesc& scene, double memory_limit, const Progress& p
   for (std::size_t b = 0; b < solids.size(); ++b) {
     report("particles", Real(b) / Real(solids.size()));
     const BodyDesc& desc = scene.bodies[b];
-    const SamplingOptions options{desc.sampling, particle_count(scene, b, *solids[b]), scene.seed,
-                                  b};
+    const SamplingOptions options{desc.sampling, particle_count(scene, b, *solids[b].solid),
+                                  scene.seed, b};
     const int relaxation = desc.force == ForceKind::mesh ? 5 : 0;
-    append(scene, b, at_body(b, [&] { return build_body(*solids[b], options, relaxation); }),
+    for (const std::string& note : solids[b].notes) model.notes.push_back(pointer(b) + ": " + note);
+    append(scene, b, at_body(b, [&] { return build_body(*solids[b].solid, options, relaxation); }),
            model);
   }
   report("done", 1);

@@ -49,14 +49,18 @@ class Clipper {
 
   int make_manifold() {
     int changed = 0;
-    for (int round = 0; round < 20; ++round) {
+    for (int round = 0; round < 60; ++round) {
       const SkinDefects defects = find_skin_defects(skin());
       if (defects.edges.empty() && defects.vertices.empty()) break;
       index_incident_cells(defects);
+      changed_vertices_.clear();
       const int before = changed;
-      for (const Edge& e : defects.edges) changed += mend(around_edge(e));
-      if (changed == before)
-        for (Index v : defects.vertices) changed += mend(incident_.at(v));
+      for (const Edge& e : defects.edges) {
+        if (changed_vertices_.count(e[0]) || changed_vertices_.count(e[1])) continue;
+        changed += mend(around_edge(e));
+      }
+      for (Index v : defects.vertices)
+        if (!changed_vertices_.count(v)) changed += mend(incident_.at(v));
       if (changed == before) break;
     }
     return changed;
@@ -191,7 +195,6 @@ class Clipper {
     const std::vector<CellList> all = groups(ring);
     const auto kept_groups = std::count_if(all.begin(), all.end(),
                                            [&](const CellList& g) { return is_kept(g.front()); });
-    if (kept_groups == 0 || (kept_groups == 1 && std::ssize(all) <= 2)) return 0;
     const CellList* best = nullptr;
     Real best_cost = 1e300;
     for (const CellList& g : all) {
@@ -208,7 +211,10 @@ class Clipper {
     }
     if (!best) return 0;
     const bool keep = !is_kept(best->front());
-    for (Index c : *best) kept_[std::size_t(c)] = keep;
+    for (Index c : *best) {
+      kept_[std::size_t(c)] = keep;
+      changed_vertices_.insert(tet(c).begin(), tet(c).end());
+    }
     return int(best->size());
   }
   bool touches_hull(const CellList& g) const {
@@ -236,6 +242,8 @@ class Clipper {
   std::vector<Verdict> verdict_;
   std::vector<char> kept_;
   std::unordered_map<Index, CellList> incident_;
+  // Defects at these vertices are judged anew in the next round.
+  std::unordered_set<Index> changed_vertices_;
 };
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace rend {
 
 using std::numbers::pi;
 
-Real Solid::distance_within(const Vec3& x, Real) const { return distance(x); }
+Real Solid::clearance(const Vec3& x, Real) const { return std::abs(distance(x)); }
 
 namespace {
 
@@ -47,13 +47,11 @@ class Box final : public Solid {
       surface_.triangles.push_back({q[0], q[1], q[2]});
       surface_.triangles.push_back({q[0], q[2], q[3]});
     }
-    creases_.corners = surface_.positions;
-    for (int c = 0; c < 8; ++c)
+    std::vector<Edge> edges;
+    for (Index c = 0; c < 8; ++c)
       for (int axis = 0; axis < 3; ++axis)
-        if (!(c >> axis & 1))
-          creases_.curves.push_back(
-              {{surface_.positions[std::size_t(c)], surface_.positions[std::size_t(c | 1 << axis)]},
-               false});
+        if (!(c >> axis & 1)) edges.push_back({c, c | 1 << axis});
+    creases_ = chain_creases(surface_.positions, edges);
   }
   Real distance(const Vec3& x) const override {
     const Vec3 q = x.cwiseAbs() - half_;
@@ -112,7 +110,8 @@ class Cylinder final : public Solid {
         circle.points.push_back(surface_.positions[std::size_t(a)]);
         surface_.triangles.push_back(side ? Triangle{centre, b, a} : Triangle{centre, a, b});
       }
-      creases_.curves.push_back(circle);
+      circle.group = side;
+      creases_.push_back(circle);
     }
   }
   Real distance(const Vec3& x) const override {

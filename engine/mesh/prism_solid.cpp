@@ -106,27 +106,20 @@ class Prism final : public Solid {
       surface_.triangles.push_back({t[0], t[2], t[1]});
       surface_.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
     }
-    const Real sharp = std::cos(40 * M_PI / 180);
+    const Real sharp = std::cos(crease_angle * M_PI / 180);
+    std::vector<Edge> edges;
     for (Index i = 0; i < n; ++i) {
       const Index j = (i + 1) % n;
       surface_.triangles.push_back({i, j, j + n});
       surface_.triangles.push_back({i, j + n, i + n});
-      add_crease({i, j}, {i + n, j + n});
+      edges.push_back({i, j});
+      edges.push_back({i + n, j + n});
       const Vec2 before = outline_[std::size_t(i)] - outline_[std::size_t((i + n - 1) % n)];
       const Vec2 after = outline_[std::size_t(j)] - outline_[std::size_t(i)];
       // Gently turning outlines (a gear's arc in short steps) bend without an edge along z.
-      if (before.normalized().dot(after.normalized()) > sharp) continue;
-      add_crease({i, i + n});
-      for (Index c : {i, i + n}) creases_.corners.push_back(surface_.positions[std::size_t(c)]);
+      if (before.normalized().dot(after.normalized()) < sharp) edges.push_back({i, i + n});
     }
-  }
-  void add_crease(Edge e) {
-    creases_.curves.push_back(
-        {{surface_.positions[std::size_t(e[0])], surface_.positions[std::size_t(e[1])]}, false});
-  }
-  void add_crease(Edge bottom, Edge top) {
-    add_crease(bottom);
-    add_crease(top);
+    creases_ = chain_creases(surface_.positions, edges);
   }
   Vec2 closest_on_outline(const Vec2& x) const {
     Vec2 best = outline_[0];

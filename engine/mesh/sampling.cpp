@@ -13,6 +13,8 @@ namespace rend {
 
 namespace {
 
+// Of the lattices that find neighbours; 1 + 4 bytes each.
+constexpr Real most_cells = 2e9;
 // Random sequential packing in 3D saturates at 0.73 points per cubed radius: radius over spacing.
 constexpr Real disk_share = 0.9;
 // A little denser on the surface, where the distance of facets to a curved shape grows with its
@@ -70,6 +72,9 @@ Samples sample_solid(const Solid& solid, const SamplingOptions& o) {
   Samples best;
   Real best_miss = 1e300, last_spacing = 0, last_count = 0;
   for (int attempt = 0; attempt < 6; ++attempt) {
+    const Real cells = (solid.bounds().size() / (0.45 * spacing) + Vec3::Constant(2)).prod();
+    if (!(cells < most_cells))
+      throw Error("", "fills too little of its bounding box for so many particles");
     Samples s = sample_at(solid, spacing, o);
     const Real count = Real(s.X.size());
     const Real miss = std::abs(count / o.count - 1);

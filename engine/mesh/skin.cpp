@@ -1,5 +1,6 @@
 // Boundary faces of tets, and whether they form closed manifolds.
 #include "engine/mesh/clip.h"
+#include "engine/mesh/edge_uses.h"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +12,6 @@ namespace {
 
 // Outward faces of a positive tet; face k is opposite vertex k.
 constexpr int tet_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
-struct DirectedEdge {
-  Edge key;  // sorted ends
-  bool forward;
-};
 
 }  // namespace
 
@@ -50,22 +46,9 @@ std::vector<Triangle> skin_of(const std::vector<Tet>& tets) {
 
 SkinDefects find_skin_defects(const std::vector<Triangle>& skin) {
   SkinDefects defects;
-  std::vector<DirectedEdge> edges;
-  edges.reserve(3 * skin.size());
-  for (const Triangle& t : skin)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index a = t[k], b = t[(k + 1) % 3];
-      edges.push_back({{std::min(a, b), std::max(a, b)}, a < b});
-    }
-  std::sort(edges.begin(), edges.end(),
-            [](const DirectedEdge& a, const DirectedEdge& b) { return a.key < b.key; });
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t j = i;
-    int forward = 0;
-    for (; j < edges.size() && edges[j].key == edges[i].key; ++j) forward += edges[j].forward;
-    if (j - i != 2 || forward != 1) defects.edges.push_back(edges[i].key);
-    i = j;
-  }
+  for_each_edge(edge_uses(skin), [&](std::span<const EdgeUse> uses) {
+    if (uses.size() != 2 || imbalance(uses) != 0) defects.edges.push_back(uses[0].edge);
+  });
 
   // Around a vertex each triangle leads from one neighbour to the next; one fan means one cycle
   // through all.

@@ -25,9 +25,10 @@ void SolidCells::classify(const Vec3i& low, int block) {
   if ((low.array() >= lattice_.size.array()).any()) return;
   const Real half_diagonal = 0.5 * std::sqrt(3.0) * block * lattice_.side;
   const Vec3 centre = lattice_.corner(low) + Vec3::Constant(0.5 * block * lattice_.side);
-  const Real distance = solid_.distance_within(centre, 1.001 * (half_diagonal + depth_));
-  const bool is_out = distance > half_diagonal, is_in = distance < -half_diagonal - depth_;
-  if (is_out || is_in) {
+  const Real clearance = solid_.clearance(centre, 1.001 * (half_diagonal + depth_));
+  const bool is_in = clearance > half_diagonal && solid_.inside(centre);
+  const bool is_out = clearance > half_diagonal && !is_in;
+  if (is_out || (is_in && clearance > half_diagonal + depth_)) {
     const Vec3i high = (low.array() + block).min(lattice_.size.array());
     for (int z = low.z(); z < high.z(); ++z)
       for (int y = low.y(); y < high.y(); ++y)
@@ -47,12 +48,15 @@ bool SolidCells::inside(const Vec3& x) const {
 
 bool SolidCells::touches_depth(const Vec3& centre, Real side) const {
   const Real limit = 0.5 * std::sqrt(3.0) * side - depth_;
-  return solid_.distance_within(centre, 1.001 * std::abs(limit)) < limit;
+  const Real clearance = solid_.clearance(centre, 1.001 * std::abs(limit));
+  if (limit > 0) return clearance < limit || solid_.inside(centre);
+  return clearance > -limit && solid_.inside(centre);
 }
 
 bool SolidCells::is_deep(const Vec3& x) const {
   const State s = state(lattice_.cell_of(x));
-  return s == deep || (s == mixed && solid_.distance_within(x, 1.001 * depth_) < -depth_);
+  return s == deep ||
+         (s == mixed && solid_.clearance(x, 1.001 * depth_) > depth_ && solid_.inside(x));
 }
 
 }  // namespace rend

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 
 namespace rend {
 
@@ -18,18 +19,26 @@ class SurfaceSampler {
   SurfaceSampler(const Solid& solid, Real radius, Random random)
       : solid_(solid), radius_(radius), random_(random), grid_(solid.bounds(), radius) {}
 
-  void add_corners() {
-    for (const Vec3& x : solid_.creases().corners)
-      if (!near(x, 0.3 * radius_)) add(x, Vec3::Zero(), SampleKind::crease);
+  // Short loose ends of sharp edges are noise of scanned surfaces, not features.
+  void add_creases() {
+    std::map<Index, Real> group_length;
+    for (const CreaseCurve& c : solid_.creases())
+      group_length[c.group] += length_of(closed_points(c));
+    std::vector<const CreaseCurve*> curves;
+    for (const CreaseCurve& c : solid_.creases())
+      if (group_length[c.group] > 3 * radius_) curves.push_back(&c);
+    for (const CreaseCurve* c : curves)
+      if (!c->closed)
+        for (const Vec3& x : {c->points.front(), c->points.back()})
+          if (!near(x, 0.3 * radius_)) add(x, Vec3::Zero(), SampleKind::crease);
+    for (const CreaseCurve* c : curves) add_curve(*c);
   }
 
   // Equal steps along each curve. They are a little longer than `radius`, so that two neighbours
   // still forbid surface samples inside the ball over their edge and Delaunay keeps that edge.
   void add_curve(const CreaseCurve& curve) {
-    std::vector<Vec3> points = curve.points;
-    if (curve.closed) points.push_back(points.front());
-    Real length = 0;
-    for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
+    const std::vector<Vec3> points = closed_points(curve);
+    const Real length = length_of(points);
     const int steps = std::max(curve.closed ? 3 : 1, int(std::ceil(length / (1.15 * radius_))));
     std::size_t segment = 1;
     Real before = 0;
@@ -71,6 +80,16 @@ class SurfaceSampler {
   Samples take() { return std::move(samples_); }
 
  private:
+  static std::vector<Vec3> closed_points(const CreaseCurve& curve) {
+    std::vector<Vec3> points = curve.points;
+    if (curve.closed) points.push_back(points.front());
+    return points;
+  }
+  static Real length_of(const std::vector<Vec3>& points) {
+    Real length = 0;
+    for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
+    return length;
+  }
   static Vec3 normal(const Fragment& f) { return (f[1] - f[0]).cross(f[2] - f[0]).normalized(); }
 
   void add(const Vec3& x, const Vec3& n, SampleKind kind) {
@@ -146,8 +165,7 @@ class SurfaceSampler {
 
 Samples sample_surface(const Solid& solid, Real radius, std::uint64_t seed, std::uint64_t stream) {
   SurfaceSampler sampler(solid, radius, Random(seed, 4 * stream + 1));
-  sampler.add_corners();
-  for (const CreaseCurve& curve : solid.creases().curves) sampler.add_curve(curve);
+  sampler.add_creases();
   sampler.add_disk();
   return sampler.take();
 }

@@ -4,9 +4,9 @@
 #include "engine/core/error.h"
 #include "engine/mesh/body.h"
 #include "engine/mesh/repair.h"
+#include "engine/scene/motion.h"
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 namespace rend {
 
@@ -85,15 +85,9 @@ ModelEstimate estimate(const SceneDesc& scene, const std::vector<SolidAndNotes>&
   return e;
 }
 
-Mat3 rotation_of(const Vec3& degrees) {
-  const Real angle = degrees.norm();
-  if (!(angle > 0)) return Mat3::Identity();
-  return Eigen::AngleAxisd(angle * M_PI / 180, degrees / angle).toRotationMatrix();
-}
-
 void append(const SceneDesc& scene, std::size_t b, const Body& body, Model& model) {
   const BodyDesc& desc = scene.bodies[b];
-  const Mat3 rotation = rotation_of(desc.rotation);
+  const Mat3 rotation = rotation_from_degrees(desc.rotation);
   const Index first = model.particle_count();
   for (std::size_t i = 0; i < body.X.size(); ++i) {
     const Vec3 x = rotation * body.X[i];

@@ -70,22 +70,6 @@ std::vector<PointVertex> point_vertices(const PointCloud& points, const Coloring
   return out;
 }
 
-/// Frame of an orthographic view from `direction` that covers `bounds`.
-LightBox make_box(const Vec3f& direction, const Bounds& bounds) {
-  LightBox box;
-  box.direction = direction.normalized();
-  const Vec3f seed = std::abs(box.direction.y()) < 0.9f ? Vec3f(0, 1, 0) : Vec3f(1, 0, 0);
-  box.u = seed.cross(box.direction).normalized();
-  box.v = box.direction.cross(box.u);
-  const Vec3f half = bounds.empty() ? Vec3f(1, 1, 1) : Vec3f(bounds.box.sizes() * 0.5f);
-  box.center = bounds.center();
-  const auto extent = [&](const Vec3f& axis) { return axis.cwiseAbs().dot(half); };
-  // A margin keeps the blurred silhouettes away from the border.
-  box.half = std::max({extent(box.u), extent(box.v), 1e-6f}) * 1.15f;
-  box.depth = std::max(extent(box.direction), 1e-6f) * 1.02f;
-  return box;
-}
-
 /// Low-discrepancy point i of the unit square (Roberts' R2 sequence).
 std::array<float, 2> plane_point(int i) {
   const double g = 1.32471795724474602596;
@@ -106,7 +90,7 @@ struct Renderer::State {
 
   void draw_key(const Bounds& bounds, int size, Look& look) {
     key.size = size;
-    raster.draw_depth(make_box(look.key_direction, bounds), key);
+    raster.draw_depth(make_light_box(look.key_direction, bounds), key);
     const float texel = 2 * key.box.half / static_cast<float>(size);
     look.normal_offset = 1.6f * texel;
     look.depth_bias = 0.35f * texel / (2 * key.box.depth);
@@ -194,7 +178,7 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
               .normalized();
       s.draw_key(casters, kStillMap, look);
       s.sky.size = kLiveMap;
-      s.raster.draw_depth(make_box(look.sky_direction, casters), s.sky);
+      s.raster.draw_depth(make_light_box(look.sky_direction, casters), s.sky);
       s.raster.draw(view, s.picture);
       sum.add(s.picture, view, s.key, ground, s.sky, look);
     }

@@ -62,4 +62,19 @@ Mat4f clip_from_world(const View& view) {
   return clip * eye_from_world;
 }
 
+LightBox make_light_box(const Vec3f& direction, const Bounds& bounds) {
+  LightBox box;
+  box.direction = direction.normalized();
+  const Vec3f seed = std::abs(box.direction.y()) < 0.9f ? Vec3f(0, 1, 0) : Vec3f(1, 0, 0);
+  box.u = seed.cross(box.direction).normalized();
+  box.v = box.direction.cross(box.u);
+  const Vec3f half = bounds.empty() ? Vec3f(1, 1, 1) : Vec3f(bounds.box.sizes() * 0.5f);
+  box.center = bounds.center();
+  const auto extent = [&](const Vec3f& axis) { return axis.cwiseAbs().dot(half); };
+  // A margin keeps the blurred silhouettes away from the border.
+  box.half = std::max({extent(box.u), extent(box.v), 1e-6f}) * 1.15f;
+  box.depth = std::max(extent(box.direction), 1e-6f) * 1.02f;
+  return box;
+}
+
 }  // namespace rend

@@ -1,6 +1,7 @@
 // Camera maths in single precision: the frame of the eye, rays through pixels, projection.
 #pragma once
 
+#include "render/gbuffer.h"
 #include "render/renderer.h"
 
 #include <Eigen/Geometry>
@@ -38,5 +39,8 @@ View make_view(const Camera& camera, int width, int height, const Bounds& bounds
 /// World to clip space with y pointing down, so that framebuffer rows run from the top of the
 /// picture.
 Mat4f clip_from_world(const View& view);
+
+/// Frame of an orthographic view from `direction` (towards the light) that covers `bounds`.
+LightBox make_light_box(const Vec3f& direction, const Bounds& bounds);
 
 }  // namespace rend

@@ -57,7 +57,9 @@ std::vector<RenderTiming> bench_render(bool quick) {
     list.coloring.value = surface.damage;
     list.coloring.caption = "Damage";
     const Camera camera = torus_camera();
-    const auto add = [&](const char* stage, double ms) { out.push_back({surface.triangle_count(), stage, ms}); };
+    const auto add = [&](const char* stage, double ms) {
+      out.push_back({surface.triangle_count(), stage, ms});
+    };
 
     CornerMesh mesh;
     add("corners", least(runs, [&] {
@@ -76,22 +78,27 @@ std::vector<RenderTiming> bench_render(bool quick) {
     const Look look = make_look(list, view, bounds.center(), bounds.radius());
     DepthMap key;
     key.size = 512;
-    add("shadow map", least(runs, [&] { raster.draw_depth(make_light_box(look.key_direction, bounds), key); }));
+    add("shadow map",
+        least(runs, [&] { raster.draw_depth(make_light_box(look.key_direction, bounds), key); }));
     GBuffer picture;
+    LightPlanes planes;
     add("G-buffer", least(runs, [&] { raster.draw(view, picture); }));
     Image image;
-    add("light", least(runs, [&] { image = light(picture, view, key, ground, look); }));
+    add("light", least(runs, [&] { image = planes.light(picture, view, key, ground, look); }));
     add("JPEG", least(runs, [&] { encode_jpeg(image); }));
     add("frame without JPEG", least(runs, [&] { renderer.draw(list, camera, {1280, 720, 1}); }));
     if (!quick)
-      add("still 1920 x 1080, 64 passes", least(1, [&] { renderer.draw(list, camera, {1920, 1080, 64}); }));
+      add("still 1920 x 1080, 64 passes", least(1, [&] {
+            renderer.draw(list, camera, {1920, 1080, 64});
+          }));
   }
   return out;
 }
 
 void print_render_bench(std::ostream& out, const std::vector<RenderTiming>& timings) {
   out << "triangles  CPU ms    stage\n";
-  for (const RenderTiming& t : timings) out << fmt::format("{:9}  {:8.1f}  {}\n", t.triangles, t.cpu_ms, t.stage);
+  for (const RenderTiming& t : timings)
+    out << fmt::format("{:9}  {:8.1f}  {}\n", t.triangles, t.cpu_ms, t.stage);
 }
 
 }  // namespace rend

@@ -14,8 +14,8 @@ struct RenderTiming {
   double cpu_ms = 0;
 };
 
-/// Live frames of 1280 x 720 with about 50 and 200 thousand triangles, and a 1920 x 1080 still of 64 passes of each;
-/// `quick` leaves the stills out.
+/// Live frames of 1280 x 720 with about 50 and 200 thousand triangles, and a 1920 x 1080 still of
+/// 64 passes of each; `quick` leaves the stills out.
 std::vector<RenderTiming> bench_render(bool quick);
 
 void print_render_bench(std::ostream& out, const std::vector<RenderTiming>& timings);

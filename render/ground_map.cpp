@@ -4,6 +4,7 @@
 #include "engine/core/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -61,21 +62,34 @@ class HeightGrid {
   std::vector<float> low;
 };
 
-/// Running mean over 2 radius + 1 cells along one direction, zero outside.
-void box_blur(std::vector<float>& plane, std::vector<float>& scratch, int radius, bool along_rows) {
-  const int step = along_rows ? 1 : kSize, jump = along_rows ? kSize : 1;
+/// Running mean over 2 radius + 1 rows, zero outside; all columns of a row at once.
+void blur_columns(std::vector<float>& plane, std::vector<float>& scratch, int radius) {
   const float weight = 1.0f / static_cast<float>(2 * radius + 1);
-  for (int line = 0; line < kSize; ++line) {
-    const float* const from = plane.data() + line * jump;
-    float* const to = scratch.data() + line * jump;
-    float sum = 0;
-    for (int i = 0; i < std::min(radius, kSize); ++i) sum += from[i * step];
-    for (int i = 0; i < kSize; ++i) {
-      if (i + radius < kSize) sum += from[(i + radius) * step];
-      to[i * step] = sum * weight;
-      if (i - radius >= 0) sum -= from[(i - radius) * step];
-    }
+  std::array<float, kSize> sum{};
+  const auto row = [&](int y) { return plane.data() + y * kSize; };
+  for (int y = 0; y < std::min(radius, kSize); ++y)
+    for (int x = 0; x < kSize; ++x) sum[static_cast<std::size_t>(x)] += row(y)[x];
+  for (int y = 0; y < kSize; ++y) {
+    const float* const enters = y + radius < kSize ? row(y + radius) : nullptr;
+    const float* const leaves = y - radius >= 0 ? row(y - radius) : nullptr;
+    float* const to = scratch.data() + y * kSize;
+    if (enters)
+      for (int x = 0; x < kSize; ++x) sum[static_cast<std::size_t>(x)] += enters[x];
+    for (int x = 0; x < kSize; ++x) to[x] = sum[static_cast<std::size_t>(x)] * weight;
+    if (leaves)
+      for (int x = 0; x < kSize; ++x) sum[static_cast<std::size_t>(x)] -= leaves[x];
   }
+  plane.swap(scratch);
+}
+
+void transpose(std::vector<float>& plane, std::vector<float>& scratch) {
+  constexpr int kBlock = 16;
+  for (int by = 0; by < kSize; by += kBlock)
+    for (int bx = 0; bx < kSize; bx += kBlock)
+      for (int y = by; y < by + kBlock; ++y)
+        for (int x = bx; x < bx + kBlock; ++x)
+          scratch[static_cast<std::size_t>(x * kSize + y)] =
+              plane[static_cast<std::size_t>(y * kSize + x)];
   plane.swap(scratch);
 }
 
@@ -116,8 +130,10 @@ GroundMap make_ground_map(const CornerMesh& mesh, const std::vector<PointVertex>
     std::vector<float> scratch(plane.size());
     const int reach = std::clamp(
         static_cast<int>(std::lround(0.62f * kLayerHeight[k] * radius / grid.cell())), 1, 60);
-    for (int pass = 0; pass < 3; ++pass)
-      for (const bool along_rows : {true, false}) box_blur(plane, scratch, reach, along_rows);
+    for (int direction = 0; direction < 2; ++direction) {
+      for (int pass = 0; pass < 3; ++pass) blur_columns(plane, scratch, reach);
+      transpose(plane, scratch);
+    }
   });
   for (std::size_t i = 0; i < map.open.size(); ++i) {
     float open = 1;

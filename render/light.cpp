@@ -4,6 +4,7 @@
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
 #include "render/light_kernels.h"
+#include "render/shadow_levels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,93 +68,12 @@ MapView map_view(const DepthMap& map) {
   return view;
 }
 
-/// Nearest depth of every tile and its eight neighbours.
-std::vector<float> nearest_tiles(const DepthMap& map) {
-  const int tiles = map.size / kTile;
-  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y * tiles + x); };
-  std::vector<float> own(static_cast<std::size_t>(tiles * tiles), 1.0f), wide = own;
-  for (int y = 0; y < map.size; ++y)
-    for (int tx = 0; tx < tiles; ++tx) {
-      const float* p = map.depth.data() +
-                       static_cast<std::size_t>(y) * static_cast<std::size_t>(map.size) +
-                       static_cast<std::size_t>(tx * kTile);
-      float m[4] = {p[0], p[1], p[2], p[3]};
-      for (int k = 4; k < kTile; k += 4)
-        for (int l = 0; l < 4; ++l) m[l] = p[k + l] < m[l] ? p[k + l] : m[l];
-      float& low = own[at(tx, y / kTile)];
-      low = std::min({low, m[0], m[1], m[2], m[3]});
-    }
-  for (int y = 0; y < tiles; ++y)
-    for (int x = 0; x < tiles; ++x)
-      for (int j = std::max(0, y - 1); j <= std::min(tiles - 1, y + 1); ++j)
-        for (int i = std::max(0, x - 1); i <= std::min(tiles - 1, x + 1); ++i)
-          wide[at(x, y)] = std::min(wide[at(x, y)], own[at(i, j)]);
-  return wide;
-}
-
-/// Halves a square plane with the weights 1 5 10 10 5 1 in both directions: smooth enough that
-/// bilinear samples of a small plane show no grid. Columns next to the border, where nothing is
-/// drawn, become 0.
-void halve(const float* from, int size, float* to, std::vector<float>& scratch) {
-  const int half = size / 2;
-  scratch.assign(static_cast<std::size_t>(size) * static_cast<std::size_t>(half), 0.0f);
-  for (int y = 0; y < size; ++y) {
-    const float* const p = from + static_cast<std::size_t>(y) * static_cast<std::size_t>(size);
-    float* const q = scratch.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(half);
-    for (int x = 1; x + 1 < half; ++x)
-      q[x] = (1 / 32.0f) * (p[2 * x - 2] + p[2 * x + 3] + 5 * (p[2 * x - 1] + p[2 * x + 2]) +
-                            10 * (p[2 * x] + p[2 * x + 1]));
-  }
-  const auto line = [&](int y) {
-    return scratch.data() +
-           static_cast<std::size_t>(std::clamp(y, 0, size - 1)) * static_cast<std::size_t>(half);
-  };
-  for (int y = 0; y < half; ++y) {
-    const float *a = line(2 * y - 2), *b = line(2 * y - 1), *c = line(2 * y), *d = line(2 * y + 1);
-    const float *e = line(2 * y + 2), *f = line(2 * y + 3);
-    float* const q = to + static_cast<std::size_t>(y) * static_cast<std::size_t>(half);
-    for (int x = 0; x < half; ++x)
-      q[x] = (1 / 32.0f) * (a[x] + f[x] + 5 * (b[x] + e[x]) + 10 * (c[x] + d[x]));
-  }
-}
-
-/// Blurred silhouettes for shadows on the floor.
-struct Silhouettes {
-  std::vector<float> mask, blocker;
-  ShadowLevels levels{};
-
-  explicit Silhouettes(const DepthMap& map) {
-    std::size_t cells = 0;
-    for (int k = 0, size = map.size; k < ShadowLevels::kCount; ++k, size /= 2) {
-      levels.scale[k] = 1.0f / static_cast<float>(1 << k);
-      levels.offset[k] = static_cast<std::int32_t>(cells);
-      levels.size[k] = size;
-      cells += static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-    }
-    mask.resize(cells);
-    blocker.resize(cells);
-    const std::size_t base =
-        static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size);
-    for (std::size_t i = 0; i < base; ++i) {
-      const float casts = map.depth[i] < 1 ? 1.0f : 0.0f;
-      mask[i] = casts;
-      blocker[i] = casts * map.depth[i];
-    }
-    std::vector<float> scratch;
-    for (int k = 1; k < ShadowLevels::kCount; ++k)
-      for (std::vector<float>* plane : {&mask, &blocker})
-        halve(plane->data() + levels.offset[k - 1], levels.size[k - 1],
-              plane->data() + levels.offset[k], scratch);
-    levels.mask = mask.data();
-    levels.blocker = blocker.data();
-  }
-};
-
 /// The planes and tables a frame points to.
 struct FrameStore {
   LightFrame frame{};
+  Silhouettes shadow;
   std::vector<float> nearest, spiral = make_spiral(), dither = make_dither(), albedo;
-  std::vector<float> half_depth, occlusion_raw, occlusion;
+  std::vector<float> half_depth, occlusion_raw, occlusion, floor_shadow;
   std::vector<std::uint32_t> packed, smooth;
 
   /// What finish() needs: sizes, theme, output planes.
@@ -174,7 +94,7 @@ struct FrameStore {
   }
 
   void set_scene(const GBuffer& picture, const View& view, const DepthMap& key,
-                 const Silhouettes& shadow, const GroundMap& ground, const Look& look) {
+                 const GroundMap& ground, const Look& look) {
     LightFrame& f = frame;
     f.depth = picture.depth.data();
     f.surface = picture.surface.data();
@@ -190,10 +110,15 @@ struct FrameStore {
     f.far = view.far;
 
     f.key = map_view(key);
-    nearest = nearest_tiles(key);
+    nearest_tiles(key, nearest);
     f.nearest = nearest.data();
     f.tiles = key.size / kTile;
+    shadow.build(key);
     f.levels = shadow.levels;
+    const std::size_t side = static_cast<std::size_t>(key.size / 2);
+    floor_shadow.resize(side * side + kLanePad);
+    f.floor_shadow = floor_shadow.data();
+    set_floor_depth(key.box, key.size, look.floor);
     f.ground = ground.open.data();
     f.ground_size = GroundMap::kSize;
     f.ground_scale = GroundMap::kSize / (2 * ground.half);
@@ -227,6 +152,17 @@ struct FrameStore {
       for (std::size_t i = 0; i < 1024; ++i) albedo[c * 1024 + i] = look.albedo[i][c];
     f.albedo = albedo.data();
     f.spiral = spiral.data();
+  }
+
+  /// Map depth of the floor as a linear function of the texel: follow the light's ray from the
+  /// texel to the floor.
+  void set_floor_depth(const LightBox& box, int size, float floor) {
+    const float texel = 2 * box.half / static_cast<float>(size),
+                sink = box.direction.y() * 2 * box.depth;
+    frame.floor_depth[0] = texel * box.u.y() / sink;
+    frame.floor_depth[1] = texel * box.v.y() / sink;
+    frame.floor_depth[2] =
+        0.5f + (box.center.y() - floor - box.half * (box.u.y() + box.v.y())) / sink;
   }
 
   void set_half_planes() {
@@ -267,14 +203,13 @@ struct FrameStore {
   }
 };
 
-Image light_with(const LightKernels& kernels, const GBuffer& picture, const View& view,
-                 const DepthMap& key, const GroundMap& ground, const Look& look) {
-  const Silhouettes shadow(key);
-  FrameStore store;
+Image light_with(const LightKernels& kernels, FrameStore& store, const GBuffer& picture,
+                 const View& view, const DepthMap& key, const GroundMap& ground, const Look& look) {
   store.set_output(picture.width, picture.height, picture.stride, look);
-  store.set_scene(picture, view, key, shadow, ground, look);
+  store.set_scene(picture, view, key, ground, look);
   store.set_half_planes();
   const LightFrame& f = store.frame;
+  store.run(kernels.floor_shadow, key.size / 2);
   store.run(kernels.half_depth, f.half_height);
   store.run(kernels.occlusion, f.half_height);
   store.run(kernels.blur, f.half_height);
@@ -285,45 +220,53 @@ Image light_with(const LightKernels& kernels, const GBuffer& picture, const View
 
 }  // namespace
 
-std::string light_lanes() { return lane_light_target(); }
-
-Image light(const GBuffer& picture, const View& view, const DepthMap& key, const GroundMap& ground,
-            const Look& look) {
-  return light_with(lane_light_kernels(), picture, view, key, ground, look);
-}
-
-Image light_reference(const GBuffer& picture, const View& view, const DepthMap& key,
-                      const GroundMap& ground, const Look& look) {
-  return light_with(reference_light_kernels(), picture, view, key, ground, look);
-}
-
-void LightSum::add(const GBuffer& picture, const View& view, const DepthMap& key,
-                   const GroundMap& ground, const DepthMap& sky, const Look& look) {
-  if (passes_ == 0) {
-    width_ = picture.width, height_ = picture.height, stride_ = picture.stride;
-    planes_.assign(
-        6 * static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height_) + kLanePad, 0.0f);
-  }
-  const Silhouettes shadow(key);
-  const MapView sky_view = map_view(sky);
+struct LightPlanes::State {
   FrameStore store;
-  store.set_output(width_, height_, stride_, look);
-  store.set_scene(picture, view, key, shadow, ground, look);
+};
+
+LightPlanes::LightPlanes() : state_(std::make_unique<State>()) {}
+LightPlanes::~LightPlanes() = default;
+
+Image LightPlanes::light(const GBuffer& picture, const View& view, const DepthMap& key,
+                         const GroundMap& ground, const Look& look) {
+  return light_with(lane_light_kernels(), state_->store, picture, view, key, ground, look);
+}
+
+void LightPlanes::add_pass(const GBuffer& picture, const View& view, const DepthMap& key,
+                           const GroundMap& ground, const DepthMap& sky, const Look& look) {
+  const std::size_t plane =
+      static_cast<std::size_t>(picture.stride) * static_cast<std::size_t>(picture.height);
+  if (passes_ == 0) sums_.assign(6 * plane + kLanePad, 0.0f);
+  if (sums_.size() != 6 * plane + kLanePad) throw Error("still", "passes differ in size");
+  const MapView sky_view = map_view(sky);
+  FrameStore& store = state_->store;
+  store.set_output(picture.width, picture.height, picture.stride, look);
+  store.set_scene(picture, view, key, ground, look);
   store.frame.sky = &sky_view;
-  store.frame.planes = planes_.data();
-  store.run(lane_light_kernels().accumulate, height_);
+  store.frame.planes = sums_.data();
+  store.run(lane_light_kernels().floor_shadow, key.size / 2);
+  store.run(lane_light_kernels().accumulate, picture.height);
+  store.frame.sky = nullptr;
   ++passes_;
 }
 
-Image LightSum::image(const Look& look) const {
+Image LightPlanes::finish_still(const Look& look) {
   if (passes_ == 0) throw Error("still", "no pass was added");
-  FrameStore store;
-  store.set_output(width_, height_, stride_, look);
-  // resolve_rows only reads the sums.
-  store.frame.planes = const_cast<float*>(planes_.data());
+  FrameStore& store = state_->store;
+  store.set_output(store.frame.width, store.frame.height, store.frame.stride, look);
+  store.frame.planes = sums_.data();
   store.frame.passes = static_cast<float>(passes_);
-  store.run(lane_light_kernels().resolve, height_);
+  store.run(lane_light_kernels().resolve, store.frame.height);
+  passes_ = 0;
   return store.image(store.frame.packed);
+}
+
+std::string light_lanes() { return lane_light_target(); }
+
+Image light_reference(const GBuffer& picture, const View& view, const DepthMap& key,
+                      const GroundMap& ground, const Look& look) {
+  FrameStore store;
+  return light_with(reference_light_kernels(), store, picture, view, key, ground, look);
 }
 
 }  // namespace rend

@@ -8,6 +8,7 @@
 #include "render/renderer.h"
 #include "render/view.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,30 +17,36 @@ namespace rend {
 /// The instruction set that lights pictures on this processor, e.g. "AVX3".
 std::string light_lanes();
 
-/// Lights one picture. `key` is the depth map of the key light, `ground` the ambient light on the
-/// floor. The same bytes for any number of threads.
-Image light(const GBuffer& picture, const View& view, const DepthMap& key, const GroundMap& ground,
-            const Look& look);
-
-/// The same light, one pixel at a time in double precision: what the lanes are tested against.
-Image light_reference(const GBuffer& picture, const View& view, const DepthMap& key,
-                      const GroundMap& ground, const Look& look);
-
-/// Sums passes of one still: each has its own sub-pixel shift, point of the key light and direction
-/// of the sky.
-class LightSum {
+/// Lights pictures and keeps its working planes from one to the next.
+class LightPlanes {
  public:
-  /// Adds a pass; `sky` is the depth map seen from look.sky_direction and replaces the ambient
+  LightPlanes();
+  ~LightPlanes();
+
+  /// Lights one picture. `key` is the depth map of the key light, `ground` the ambient light on the
+  /// floor. The same bytes for any number of threads.
+  Image light(const GBuffer& picture, const View& view, const DepthMap& key,
+              const GroundMap& ground, const Look& look);
+
+  /// Adds a pass of a still; each has its own sub-pixel shift, point of the key light and direction
+  /// of the sky. `sky` is the depth map seen from look.sky_direction and replaces the ambient
   /// occlusion.
-  void add(const GBuffer& picture, const View& view, const DepthMap& key, const GroundMap& ground,
-           const DepthMap& sky, const Look& look);
-  /// The mean of all passes. @throws Error when there was none.
-  Image image(const Look& look) const;
+  void add_pass(const GBuffer& picture, const View& view, const DepthMap& key,
+                const GroundMap& ground, const DepthMap& sky, const Look& look);
+  /// The mean of all passes since the last still. @throws Error when there was none.
+  Image finish_still(const Look& look);
 
  private:
-  int width_ = 0, height_ = 0, stride_ = 0, passes_ = 0;
+  struct State;
+  std::unique_ptr<State> state_;
+  int passes_ = 0;
   std::vector<float>
-      planes_;  ///< mesh red, green, blue, coverage; floor ambient, floor key; each stride * height
+      sums_;  ///< mesh red, green, blue, coverage; floor ambient, floor key; each stride * height
 };
+
+/// The light of LightPlanes::light, one pixel at a time in double precision: what the lanes are
+/// tested against.
+Image light_reference(const GBuffer& picture, const View& view, const DepthMap& key,
+                      const GroundMap& ground, const Look& look);
 
 }  // namespace rend

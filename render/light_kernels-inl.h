@@ -166,6 +166,14 @@ REND_LANES F occlusion_at(const LightFrame& f, int x, int y, F z) {
   return sum * inverse(weights);
 }
 
+/// Entry `kind` of a table of four.
+REND_LANES F by_kind(const float* table, I kind) {
+  const F k = real(kind);
+  const F low = select(k < num(0.5f), num(table[0]), num(table[1]));
+  const F high = select(k < num(2.5f), num(table[2]), num(table[3]));
+  return select(k < num(1.5f), low, high);
+}
+
 REND_LANES V3 to_map(const MapView& map, const V3& p) {
   return {dot(p, map.to_map[0]) + map.to_map[0][3], dot(p, map.to_map[1]) + map.to_map[1][3],
           dot(p, map.to_map[2]) + map.to_map[2][3]};
@@ -237,37 +245,60 @@ REND_LANES F take_sample(const float* plane, const Sample& s) {
   return sum;
 }
 
-/// Key light on the floor: a shadow as sharp at the contact and as soft away from it as an area
-/// light makes it.
-REND_LANES F floor_visibility(const LightFrame& f, const V3& p, M asked) {
-  const V3 at = to_map(f.key, p);
+/// Key light on the floor, one element for 2 x 2 texels of the key's map: a shadow as sharp at the
+/// contact and as soft away from it as an area light makes it. The floor is a plane of the map, so
+/// its depth is linear in the texel.
+REND_LANES void floor_shadow_rows(const LightFrame& f, int begin, int end) {
   const ShadowLevels& levels = f.levels;
   constexpr int kSearch = ShadowLevels::kCount - 1;
-  const Sample around = place_sample(at.x, at.y, num(levels.scale[kSearch]),
-                                     whole(levels.offset[kSearch]), whole(levels.size[kSearch]));
-  const F wide = take_sample(levels.mask, around);
-  if (!any(both(asked, num(1e-4f) < wide))) return num(1);
-  const F blocker = take_sample(levels.blocker, around) * inverse(maximum(wide, num(1e-4f)));
-  const F width = maximum(at.z - blocker, num(0)) * f.penumbra;
-  F level = num(0);
-  for (int k = 0; k < ShadowLevels::kCount - 1; ++k)
-    level = level + clamp01((width - static_cast<float>(1 << k)) * levels.scale[k]);
-  const I low = minimum(truncate(level), whole(ShadowLevels::kCount - 2)), high = low + whole(1);
-  const F between = level - real(low);
-  const F a =
-      take_sample(levels.mask, place_sample(at.x, at.y, gather(levels.scale, low),
-                                            gather(levels.offset, low), gather(levels.size, low)));
-  const F b = take_sample(
-      levels.mask, place_sample(at.x, at.y, gather(levels.scale, high), gather(levels.offset, high),
-                                gather(levels.size, high)));
-  return 1.0f - (a + (b - a) * between);
+  const int side = f.key.size / 2;
+  for (int y = begin; y < end; ++y) {
+    const float v = 2 * static_cast<float>(y) + 1;
+    const float* const near = levels.near + (2 * y >> kSearch) * levels.size[kSearch];
+    for (int x = 0; x < side; x += lane_count()) {
+      float* const out = f.floor_shadow + y * side + x;
+      const F u = 2.0f * ramp(static_cast<float>(x)) + 1.0f;
+      if (!any(num(0) < gather(near, truncate(u * levels.scale[kSearch])))) {
+        store(num(1), out);
+        continue;
+      }
+      const Sample around =
+          place_sample(u, num(v), num(levels.scale[kSearch]), whole(levels.offset[kSearch]),
+                       whole(levels.size[kSearch]));
+      const F wide = take_sample(levels.mask, around);
+      const F blocker = take_sample(levels.blocker, around) * inverse(maximum(wide, num(1e-4f)));
+      const F depth = u * f.floor_depth[0] + (f.floor_depth[1] * v + f.floor_depth[2]);
+      const F width = maximum(depth - blocker, num(0)) * f.penumbra;
+      F level = num(0);
+      for (int k = 0; k < kSearch; ++k)
+        level = level + clamp01((width - static_cast<float>(1 << k)) * levels.scale[k]);
+      const I low = minimum(truncate(level), whole(kSearch - 1)), high = low + whole(1);
+      const F a = take_sample(levels.mask,
+                              place_sample(u, num(v), gather(levels.scale, low),
+                                           gather(levels.offset, low), gather(levels.size, low)));
+      const F b = take_sample(levels.mask,
+                              place_sample(u, num(v), gather(levels.scale, high),
+                                           gather(levels.offset, high), gather(levels.size, high)));
+      store(1.0f - (a + (b - a) * (level - real(low))), out);
+    }
+  }
 }
 
-/// Ambient light on the floor, from the map made beforehand.
-REND_LANES F floor_openness(const LightFrame& f, const V3& p) {
-  const F u = p.x * f.ground_scale + f.ground_shift[0],
-          v = p.z * f.ground_scale + f.ground_shift[1];
-  return take_sample(f.ground, place_sample(u, v, num(1), whole(0), whole(f.ground_size)));
+/// Bilinear sample of a square plane whose border is 1, at (u, v) in its elements; 1 outside.
+REND_LANES F plane_sample(const float* plane, int size, F u, F v, M asked) {
+  const F top = num(static_cast<float>(size) - 1.001f);
+  u = minimum(maximum(u - 0.5f, num(0)), top);
+  v = minimum(maximum(v - 0.5f, num(0)), top);
+  // A place clamped to the border is outside.
+  const M inside = both(both(num(0) < u, u < top), both(num(0) < v, v < top));
+  if (!any(both(asked, inside))) return num(1);
+  const I iu = truncate(u), iv = truncate(v);
+  const F fu = u - real(iu), fv = v - real(iv);
+  const I at = iv * whole(size) + iu, below = at + whole(size);
+  const F a = gather(plane, at), b = gather(plane + 1, at);
+  const F c = gather(plane, below), d = gather(plane + 1, below);
+  const F upper = a + (b - a) * fu, lower = c + (d - c) * fu;
+  return select(inside, upper + (lower - upper) * fv, num(1));
 }
 
 REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
@@ -289,12 +320,16 @@ REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
   if (any_floor) {
     const F dx = p.x - f.floor_center[0], dz = p.z - f.floor_center[2];
     const F fade = 1.0f - smoothstep01(minimum((dx * dx + dz * dz) * f.inverse_fade2, num(1)));
-    const F open = floor_openness(f, p);
+    const F open = plane_sample(f.ground, f.ground_size, p.x * f.ground_scale + f.ground_shift[0],
+                                p.z * f.ground_scale + f.ground_shift[1], on_floor);
+    const V3 at = to_map(f.key, p);
+    const F shadow =
+        plane_sample(f.floor_shadow, f.key.size / 2, at.x * 0.5f, at.y * 0.5f, on_floor);
     F ambient = open;
     if (f.sky)
       ambient = map_visibility(*f.sky, to_map(*f.sky, p), on_floor, nullptr, 0) *
                 (2 * f.sky_direction[1]);
-    const F key = floor_visibility(f, p, on_floor) * (0.75f + 0.25f * open);
+    const F key = shadow * (0.75f + 0.25f * open);
     lit.ambient = select(on_floor, 1.0f + (ambient - 1.0f) * fade, num(1));
     lit.key = select(on_floor, 1.0f + (key - 1.0f) * fade, num(1));
   }
@@ -317,9 +352,9 @@ REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
                 to_eye.z + f.key_direction[2]};
   const F n_h = maximum(dot(n, h) * inverse_root(dot(h, h) + 1e-6f), num(0));
   const F h2 = n_h * n_h, h4 = h2 * h2, h8 = h4 * h4, h16 = h8 * h8;
-  const F gloss = gather(f.gloss, kind) * h16 * h8 * key;
+  const F gloss = by_kind(f.gloss, kind) * h16 * h8 * key;
   const F graze = 1.0f - n_eye, graze2 = graze * graze, graze5 = graze2 * graze2 * graze;
-  const F shine = gather(f.fresnel, kind), sheen = graze5 * shine;
+  const F shine = by_kind(f.fresnel, kind), sheen = graze5 * shine;
   const F rim = maximum(dot(n, f.rim_direction), num(0)) * (0.25f + 2.0f * graze5) * open;
 
   const F upward = 0.5f * n.y + 0.5f;
@@ -360,12 +395,14 @@ REND_LANES I finish(const LightFrame& f, const Lit& lit, int x, int y) {
   const F place = minimum(root(r2), num(1));
   const F exposure = f.exposure * (1.0f - 0.18f * minimum(r2, num(1)));
   const F dither = load(f.dither + (y & 7) * 24 + (x & 7));
+  const bool any_mesh = any(num(0) < lit.cover);
   I word = whole(0);
   for (int c = 0; c < 3; ++c) {
     const F light = f.floor_ambient[c] * lit.ambient + (1 - f.floor_ambient[c]) * lit.key;
     const F behind = (f.backdrop_center[c] + (f.backdrop_edge[c] - f.backdrop_center[c]) * place) *
                      root(maximum(light, num(0)));
-    const F display = behind + (filmic(lit.color[c] * exposure) - behind) * lit.cover;
+    F display = behind;
+    if (any_mesh) display = behind + (filmic(lit.color[c] * exposure) - behind) * lit.cover;
     const I level = truncate(minimum(clamp01(display) * 255.0f + dither, num(255)));
     word = c == 0 ? level : c == 1 ? word | shift_left<8>(level) : word | shift_left<16>(level);
   }
@@ -406,9 +443,11 @@ REND_LANES void resolve_rows(const LightFrame& f, int begin, int end) {
     }
 }
 
+/// (red + 2 green + blue) / 4: near enough to luma to find edges.
 REND_LANES F luma(I word) {
-  return real(word & whole(255)) * 0.299f + real(shift_right<8>(word) & whole(255)) * 0.587f +
-         real(shift_right<16>(word) & whole(255)) * 0.114f;
+  return real((word & whole(255)) + (shift_right<7>(word) & whole(510)) +
+              (shift_right<16>(word) & whole(255))) *
+         0.25f;
 }
 
 REND_LANES I mix_words(I a, I b, F t) {
@@ -502,6 +541,6 @@ REND_LANES void smooth_edge_rows(const LightFrame& f, int begin, int end) {
 }
 
 REND_LANES LightKernels kernel_table() {
-  return {half_depth_rows, occlusion_rows, blur_rows,       shade_rows,
-          accumulate_rows, resolve_rows,   smooth_edge_rows};
+  return {floor_shadow_rows, half_depth_rows, occlusion_rows, blur_rows,
+          shade_rows,        accumulate_rows, resolve_rows,   smooth_edge_rows};
 }

@@ -20,6 +20,7 @@ struct ShadowLevels {
   static constexpr int kCount = 5;
   const float* mask;     ///< share of a texel's neighbourhood that casts
   const float* blocker;  ///< mask times map depth
+  const float* near;     ///< last level: positive where a neighbouring texel has a mask
   float scale[kCount];   ///< 2^-k
   std::int32_t offset[kCount], size[kCount];
 };
@@ -40,7 +41,9 @@ struct LightFrame {
   const float* nearest;  ///< per tile: nearest depth in it and its neighbours
   int tiles;
   ShadowLevels levels;
-  const float* ground;  ///< openness of the floor, ground_size squared
+  float* floor_shadow;   ///< key light on the floor, (key.size / 2) squared
+  float floor_depth[3];  ///< map depth of the floor = [0] u + [1] v + [2], in texels
+  const float* ground;   ///< openness of the floor, ground_size squared
   int ground_size;
   float ground_scale, ground_shift[2];  ///< texel = ground_scale * (x, z) + ground_shift
   const MapView* sky;                   ///< nullptr: ambient occlusion from the half-size plane
@@ -64,12 +67,13 @@ struct LightFrame {
   float* occlusion;
   std::uint32_t* packed;  ///< 0x00bbggrr
   std::uint32_t* smooth;
-  float* planes;  ///< sums of a still, see LightSum
+  float* planes;  ///< sums of a still, see LightPlanes
   float passes;   ///< number of sums in `planes`
 };
 
 /// Each handles rows [begin, end) of its plane.
 struct LightKernels {
+  void (*floor_shadow)(const LightFrame&, int begin, int end);
   void (*half_depth)(const LightFrame&, int begin, int end);
   void (*occlusion)(const LightFrame&, int begin, int end);
   void (*blur)(const LightFrame&, int begin, int end);

@@ -99,6 +99,7 @@ struct Renderer::State {
   Raster raster;
   GBuffer picture;
   DepthMap key, sky;
+  LightPlanes light;
 };
 
 Renderer::Renderer(GlBackend backend) : state_(std::make_unique<State>(backend)) {}
@@ -155,9 +156,8 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
   if (options.accumulate == 1) {
     s.draw_key(casters, kLiveMap, look);
     s.raster.draw(view, s.picture);
-    image = light(s.picture, view, s.key, ground, look);
+    image = s.light.light(s.picture, view, s.key, ground, look);
   } else {
-    LightSum sum;
     const Look open = look;
     for (int pass = 0; pass < options.accumulate; ++pass) {
       const auto pixel = plane_point(pass), lamp = plane_point(pass + 7919),
@@ -180,9 +180,9 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
       s.sky.size = kLiveMap;
       s.raster.draw_depth(make_light_box(look.sky_direction, casters), s.sky);
       s.raster.draw(view, s.picture);
-      sum.add(s.picture, view, s.key, ground, s.sky, look);
+      s.light.add_pass(s.picture, view, s.key, ground, s.sky, look);
     }
-    image = sum.image(open);
+    image = s.light.finish_still(open);
   }
   if (!list.coloring.caption.empty()) draw_legend(image, list.coloring, list.theme);
   return image;

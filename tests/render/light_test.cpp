@@ -57,6 +57,10 @@ struct Stage {
   }
 };
 
+Image light(const Stage& s) {
+  return LightPlanes().light(s.picture, s.view, s.key, s.ground, s.look);
+}
+
 struct Difference {
   int most = 0;
   double share = 0;  ///< of bytes that differ by more than one level
@@ -80,8 +84,8 @@ TEST_CASE("lanes agree with double precision to one level") {
   for (const Theme theme : {Theme::light, Theme::dark})
     for (const auto& [width, height] : {std::pair{640, 360}, {333, 217}}) {
       const Stage s(width, height, theme);
-      const Difference d = compare(light(s.picture, s.view, s.key, s.ground, s.look),
-                                   light_reference(s.picture, s.view, s.key, s.ground, s.look));
+      const Difference d =
+          compare(light(s), light_reference(s.picture, s.view, s.key, s.ground, s.look));
       // Comparisons (shadow texels, occlusion taps) that fall between float and double flip single
       // pixels.
       CHECK(d.share < 3e-4);
@@ -93,16 +97,16 @@ TEST_CASE("lanes agree with double precision to one level") {
 TEST_CASE("the picture has the same bytes for one and two threads") {
   const Stage s(640, 360, Theme::light);
   set_thread_count(1);
-  const Image one = light(s.picture, s.view, s.key, s.ground, s.look);
+  const Image one = light(s);
   set_thread_count(2);
-  const Image two = light(s.picture, s.view, s.key, s.ground, s.look);
+  const Image two = light(s);
   set_thread_count(0);
   CHECK(one.rgb == two.rgb);
 }
 
 TEST_CASE("occlusion and light stay finite whatever the G-buffer holds") {
   Stage s(320, 180, Theme::light);
-  const Image clean = light(s.picture, s.view, s.key, s.ground, s.look);
+  const Image clean = light(s);
   // Values no rasteriser should write: they may spoil their neighbourhood, never the rest.
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(),
                        std::numeric_limits<float>::infinity(), -1.0f, 0.0f};
@@ -110,7 +114,7 @@ TEST_CASE("occlusion and light stay finite whatever the G-buffer holds") {
     s.picture.depth[(40 + k) * static_cast<std::size_t>(s.picture.stride) + 60 * k + 20] = bad[k];
     s.picture.surface[(40 + k) * static_cast<std::size_t>(s.picture.stride) + 60 * k + 20] = ~0u;
   }
-  const Image spoiled = light(s.picture, s.view, s.key, s.ground, s.look);
+  const Image spoiled = light(s);
   int changed = 0;
   for (std::size_t i = 0; i < clean.rgb.size(); i += 3)
     changed += std::abs(clean.rgb[i] - spoiled.rgb[i]) > 3;
@@ -139,8 +143,7 @@ TEST_CASE("both GL backends draw the same") {
     }
   CHECK(covered > 5000);
   CHECK(different < covered / 1000);
-  const Difference d = compare(light(a.picture, a.view, a.key, a.ground, a.look),
-                               light(b.picture, b.view, b.key, b.ground, b.look));
+  const Difference d = compare(light(a), light(b));
   CHECK(d.share < 1e-3);
 }
 

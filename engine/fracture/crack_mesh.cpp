@@ -19,8 +19,8 @@ constexpr std::uint8_t changed_bit = 64;
 CrackMesh::CrackMesh(const TetTables& tables)
     : tables_(&tables),
       record_of_edge_(tables.edge_to.size(), -1),
-      mask_(tables.tet.size(), 0),
-      cracked_of_tet_(tables.tet.size(), -1),
+      mask_(tables.tet_edge.size(), 0),
+      cracked_of_tet_(tables.tet_edge.size(), -1),
       skin_(tables.skin.size()),
       is_near_(tables.X.size(), 0) {
   build_links();
@@ -116,7 +116,7 @@ void CrackMesh::break_edges(std::span<const Index> edges, Index frame) {
 void CrackMesh::open_edge(Index edge, Index frame) {
   tables_->ring(edge, ring_);
   const TetEdge& at = ring_.front();
-  const Tet& v = tables_->tet[at.tet];
+  const Tet v = tables_->corners(at.tet);
   const std::array<Index, 2> end{v[edge_ends[at.edge][0]], v[edge_ends[at.edge][1]]};
   bool on_skin = false;
   for (const TetEdge& around : ring_)
@@ -196,8 +196,9 @@ void CrackMesh::update_faces(Index r) {
     face.mask = mask;
     if (broken_count == 2) continue;
     const Index tet = cracked_[r].tet;
+    const Tet corner = tables_->corners(tet);
     std::array<Index, 3> v;
-    for (int k = 0; k < 3; ++k) v[k] = tables_->tet[tet][face_corners[f][k]];
+    for (int k = 0; k < 3; ++k) v[k] = corner[face_corners[f][k]];
     const Vec3 centre = (tables_->X[v[0]] + tables_->X[v[1]] + tables_->X[v[2]]) / 3;
     const bool on_skin = tables_->tet_face[tet][f] < 0;
     if (face.copy[0] < 0) face.copy[0] = add_copy(add_node(centre), on_skin);
@@ -217,7 +218,7 @@ void CrackMesh::update_faces(Index r) {
 }
 
 void CrackMesh::update_centre(CrackedTet& cracked) {
-  const Tet& v = tables_->tet[cracked.tet];
+  const Tet v = tables_->corners(cracked.tet);
   if (cracked.centre < 0) {
     cracked.centre = static_cast<Index>(centres_.size());
     centres_.push_back({-1, -1, -1, -1});
@@ -283,6 +284,7 @@ void CrackMesh::emit_tet(CrackedTet& cracked) {
   std::array<Index, code_count> id;
   id.fill(-1);
   const bool negative = tables_->tet_negative[cracked.tet];
+  const Tet v = tables_->corners(cracked.tet);
   for (int k = 0; k < cut.triangle_count; ++k) {
     const auto& piece = cut.triangles[k];
     CutTriangle& triangle = triangles_[cracked.triangles.first + k];
@@ -291,7 +293,7 @@ void CrackMesh::emit_tet(CrackedTet& cracked) {
       if (id[code] < 0) id[code] = corner_id(cracked, code);
       triangle.corner[c] = id[code];
     }
-    triangle.owner = tables_->tet[cracked.tet][piece.owner];
+    triangle.owner = v[piece.owner];
   }
 }
 
@@ -299,7 +301,7 @@ void CrackMesh::emit_skin(Index skin_face) {
   const auto& face = tables_->skin[skin_face];
   const int mask = face_mask(mask_[face.tet], face.face);
   if (mask == 0) return;
-  const Tet& v = tables_->tet[face.tet];
+  const Tet v = tables_->corners(face.tet);
   const int* corner = face_corners[face.face];
   const int broken_count = std::popcount(static_cast<unsigned>(mask));
   Range& range = skin_[skin_face].triangles;
@@ -363,7 +365,7 @@ void CrackMesh::place_centres(std::span<const Index> records) {
     Vec3 sum = Vec3::Zero(), corners = Vec3::Zero();
     for (int e = 0; e < 6; ++e)
       if (mask >> e & 1) sum += middle(cracked.tet, e);
-    for (Index v : tables_->tet[cracked.tet]) corners += tables_->X[v];
+    for (Index v : tables_->corners(cracked.tet)) corners += tables_->X[v];
     nodes_[copies_[centres_[cracked.centre][0]].node] =
         0.5 * (sum / std::popcount(static_cast<unsigned>(mask)) + 0.25 * corners);
   }

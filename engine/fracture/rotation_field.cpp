@@ -3,6 +3,9 @@
 
 #include "engine/core/parallel.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace rend {
 
 namespace {
@@ -16,14 +19,20 @@ Eigen::Quaterniond robust_rotation(Index p, std::span<const Vec3> x, const Crack
   const Real scale = misfit_scale * tables.mean_edge[tables.body[p]];
   for (int round = 0; round < 4; ++round) {
     ShapeMoments moments;
+    Real largest = 0;
+    const Mat3 R = q.toRotationMatrix();
     for (Index b : crack.linked(p)) {
       const Vec3 X_ab = tables.X[b] - tables.X[p], x_ab = x[b] - x[p];
       // Without a rotation to trust, the change of length is all there is to tell a stranger by.
-      const Real misfit =
-          round == 0 && !warm ? x_ab.norm() - X_ab.norm() : (x_ab - q * X_ab).norm();
-      moments.add(x_ab, X_ab, 1 / (X_ab.squaredNorm() * (1 + misfit * misfit / (scale * scale))));
+      const bool trusted = round > 0 || warm;
+      const Real misfit2 =
+          trusted ? (x_ab - R * X_ab).squaredNorm() : std::pow(x_ab.norm() - X_ab.norm(), 2);
+      if (trusted) largest = std::max(largest, misfit2);
+      moments.add(x_ab, X_ab, 1 / (X_ab.squaredNorm() * (1 + misfit2 / (scale * scale))));
     }
     q = moments.rotation(q);
+    // All neighbours come along: another round would weigh them the same.
+    if (largest > 0 && largest < scale * scale) break;
   }
   return q;
 }

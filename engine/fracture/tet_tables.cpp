@@ -29,20 +29,20 @@ int local_edge(const std::array<Index, 6>& edges, Index e) {
 
 TetTables::TetTables(const Model& model) : X(model.X), body(model.body) {
   body.resize(X.size(), 0);
-  sort_tets(model);
-  build_edges();
-  build_faces(model);
+  const std::vector<Tet> tet = sort_tets(model);
+  build_edges(tet);
+  build_faces(model, tet);
   split_fans();
   build_skin(model);
   measure(model);
 }
 
 Edge TetTables::edge(Index e) const {
-  return {tet[edge_tet[e]][edge_ends[local_edge(tet_edge[edge_tet[e]], e)][0]], edge_to[e]};
+  return {corners(edge_tet[e])[edge_ends[local_edge(tet_edge[edge_tet[e]], e)][0]], edge_to[e]};
 }
 
-void TetTables::sort_tets(const Model& model) {
-  tet = model.tets;
+std::vector<Tet> TetTables::sort_tets(const Model& model) {
+  std::vector<Tet> tet = model.tets;
   const Index count = particle_count();
   for (std::size_t t = 0; t < tet.size(); ++t) {
     std::sort(tet[t].begin(), tet[t].end());
@@ -59,9 +59,10 @@ void TetTables::sort_tets(const Model& model) {
     const Real volume = (X[tet[t][1]] - a).cross(X[tet[t][2]] - a).dot(X[tet[t][3]] - a);
     tet_negative[t] = volume < 0;
   }
+  return tet;
 }
 
-void TetTables::build_edges() {
+void TetTables::build_edges(const std::vector<Tet>& tet) {
   const Index n = particle_count();
   std::vector<Index> bucket(n + 1, 0);
   for (const Tet& v : tet) bucket[v[0] + 1] += 3, bucket[v[1] + 1] += 2, bucket[v[2] + 1] += 1;
@@ -79,8 +80,10 @@ void TetTables::build_edges() {
     edge_row[p + 1] = edge_count();
   }
   tet_edge.resize(tet.size());
+  tet_lowest.resize(tet.size());
   edge_tet.assign(edge_to.size(), -1);
-  for (Index t = 0; t < tet_count(); ++t)
+  for (Index t = 0; t < tet_count(); ++t) {
+    tet_lowest[t] = tet[t][0];
     for (int e = 0; e < 6; ++e) {
       const Index a = tet[t][edge_ends[e][0]], b = tet[t][edge_ends[e][1]];
       const auto row = edge_to.begin() + edge_row[a];
@@ -88,9 +91,10 @@ void TetTables::build_edges() {
       tet_edge[t][e] = static_cast<Index>(found - edge_to.begin());
       edge_tet[tet_edge[t][e]] = t;
     }
+  }
 }
 
-void TetTables::build_faces(const Model& model) {
+void TetTables::build_faces(const Model& model, const std::vector<Tet>& tet) {
   const Index n = particle_count();
   std::vector<Index> bucket(n + 1, 0);
   for (const Tet& v : tet) bucket[v[0] + 1] += 3, bucket[v[1] + 1] += 1;
@@ -175,7 +179,7 @@ void TetTables::ring(Index e, std::vector<TetEdge>& out) const {
 }
 
 void TetTables::split_fans() {
-  std::vector<std::uint8_t> seen(tet.size(), 0);
+  std::vector<std::uint8_t> seen(tet_edge.size(), 0);
   std::vector<TetEdge> around;
   for (Index e = 0; e < edge_count(); ++e) {
     ring(e, around);
@@ -241,7 +245,7 @@ void TetTables::build_skin(const Model&) {
     }
   std::vector<std::pair<Index, Index>> roots;  // (particle, corner)
   const auto particle = [&](Index c) {
-    return tet[skin[c / 3].tet][face_corners[skin[c / 3].face][c % 3]];
+    return corners(skin[c / 3].tet)[face_corners[skin[c / 3].face][c % 3]];
   };
   for (Index c = 0; c < 3 * faces; ++c)
     if (root(c) == c) roots.emplace_back(particle(c), c);
@@ -278,9 +282,9 @@ void TetTables::measure(const Model& model) {
 
 double TetTables::bytes_per_particle() const {
   const auto bytes = [](const auto& v) { return static_cast<double>(v.size() * sizeof(v[0])); };
-  const double total = bytes(X) + bytes(edge_row) + bytes(edge_to) + bytes(edge_tet) + bytes(tet) +
-                       bytes(tet_negative) + bytes(tet_edge) + bytes(tet_face) + bytes(skin) +
-                       bytes(skin_uncut) + bytes(skin_particle) + bytes(body);
+  const double total = bytes(X) + bytes(edge_row) + bytes(edge_to) + bytes(edge_tet) +
+                       bytes(tet_lowest) + bytes(tet_negative) + bytes(tet_edge) + bytes(tet_face) +
+                       bytes(skin) + bytes(skin_uncut) + bytes(skin_particle) + bytes(body);
   return total / std::max<double>(1, static_cast<double>(X.size()));
 }
 

@@ -27,7 +27,12 @@ struct TetTables {
 
   Index particle_count() const { return static_cast<Index>(X.size()); }
   Index edge_count() const { return static_cast<Index>(edge_to.size()); }
-  Index tet_count() const { return static_cast<Index>(tet.size()); }
+  Index tet_count() const { return static_cast<Index>(tet_edge.size()); }
+  /// Vertices of a tet, ascending.
+  Tet corners(Index t) const {
+    const auto& e = tet_edge[t];
+    return {tet_lowest[t], edge_to[e[0]], edge_to[e[1]], edge_to[e[2]]};
+  }
   Index skin_count() const { return static_cast<Index>(skin.size()); }
 
   Edge edge(Index e) const;  ///< its ends, lower particle first
@@ -37,9 +42,9 @@ struct TetTables {
 
   std::vector<Vec3> X;  ///< #P rest positions [m]
   std::vector<Index> edge_row,
-      edge_to;                  ///< half CSR: edges from p are [edge_row[p], edge_row[p+1])
-  std::vector<Index> edge_tet;  ///< #E one tet of the fan
-  std::vector<Tet> tet;         ///< vertices ascending
+      edge_to;                    ///< half CSR: edges from p are [edge_row[p], edge_row[p+1])
+  std::vector<Index> edge_tet;    ///< #E one tet of the fan
+  std::vector<Index> tet_lowest;  ///< first vertex; the others are ends of its edges
   std::vector<std::uint8_t> tet_negative;  ///< 1 when sorting turned the tet inside out
   std::vector<std::array<Index, 6>> tet_edge;
   std::vector<std::array<Index, 4>>
@@ -58,9 +63,9 @@ struct TetTables {
   std::vector<std::uint16_t> body;   ///< #P
 
  private:
-  void sort_tets(const Model& model);
-  void build_edges();
-  void build_faces(const Model& model);
+  std::vector<Tet> sort_tets(const Model& model);
+  void build_edges(const std::vector<Tet>& tet);
+  void build_faces(const Model& model, const std::vector<Tet>& tet);
   void split_fans();
   void build_skin(const Model& model);
   void measure(const Model& model);

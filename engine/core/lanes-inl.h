@@ -146,6 +146,20 @@ REND_LANES_3(wide_mul_sub, MulSub)
 #undef REND_LANES_2
 #undef REND_LANES_3
 
+template <class M>
+HWY_INLINE M wide_mask_not(M m) {
+  return hn::Not(m);
+}
+template <class M>
+HWY_INLINE Pair<M> wide_mask_not(Pair<M> m) {
+  return {wide_mask_not(m.a), wide_mask_not(m.b)};
+}
+inline constexpr size_t kLeaf = (HWY_MAX_BYTES < 64 ? HWY_MAX_BYTES : 64) / sizeof(float);
+HWY_INLINE bool wide_none(Wide<kLeaf>::Mask m) { return hn::AllFalse(Wide<kLeaf>::Tag(), m); }
+template <class M>
+HWY_INLINE bool wide_none(Pair<M> m) {
+  return wide_none(wide_mask_or(m.a, m.b));
+}
 template <class M, class V>
 HWY_INLINE V wide_select(M m, V yes, V no) {
   return hn::IfThenElse(m, yes, no);
@@ -261,6 +275,8 @@ HWY_INLINE LaneMask operator<=(Lanes x, Lanes y) { return {wide_less_equal(x.v, 
 HWY_INLINE LaneMask operator>=(Lanes x, Lanes y) { return {wide_less_equal(y.v, x.v)}; }
 HWY_INLINE LaneMask operator&(LaneMask x, LaneMask y) { return {wide_mask_and(x.m, y.m)}; }
 HWY_INLINE LaneMask operator|(LaneMask x, LaneMask y) { return {wide_mask_or(x.m, y.m)}; }
+HWY_INLINE LaneMask operator!(LaneMask x) { return {wide_mask_not(x.m)}; }
+HWY_INLINE bool any(LaneMask x) { return !wide_none(x.m); }
 
 HWY_INLINE Lanes max(Lanes x, Lanes y) { return Lanes(wide_max(x.v, y.v)); }
 HWY_INLINE Lanes min(Lanes x, Lanes y) { return Lanes(wide_min(x.v, y.v)); }

@@ -1,0 +1,50 @@
+// Pull tool and contact, node by node.
+#include "engine/mpm/node_loads.h"
+
+#include <algorithm>
+
+namespace rend {
+
+NodeLoads::NodeLoads(const std::vector<ColliderDesc>& colliders, const PullForce& pull, Real time)
+    : colliders_(pose_colliders(colliders, time)), pull_(pull) {}
+
+Real NodeLoads::collider_speed() const {
+  Real fastest = 0;
+  for (const PosedCollider& c : colliders_) fastest = std::max(fastest, fastest_point(c));
+  return fastest;
+}
+
+Real NodeLoads::falloff(const Vec3& x) const {
+  const Real s = 1 - (x - pull_.at).squaredNorm() / (pull_.radius * pull_.radius);
+  return s > 0 ? s * s : 0;
+}
+
+NodeLoads::Near NodeLoads::near(const Vec3& centre, Real radius) const {
+  Near out;
+  for (const PosedCollider& c : colliders_)
+    if (distance_to(c.desc->shape, c.pose.to_local(centre)).value <= radius)
+      out.colliders.push_back(&c);
+  out.pull = pulled_mass_ > 0 && (centre - pull_.at).norm() <= pull_.radius + radius;
+  return out;
+}
+
+Vec3 NodeLoads::apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v,
+                      Real& work) const {
+  if (near.pull) {
+    const Vec3 kick = dt / pulled_mass_ * falloff(x) * pull_.force;
+    work += mass * kick.dot(v + 0.5 * kick);
+    v += kick;
+  }
+  for (const PosedCollider* c : near.colliders) {
+    const Distance distance = distance_to(c->desc->shape, c->pose.to_local(x));
+    if (distance.value > 0) continue;
+    const Vec3 wall = c->pose.velocity_at(x);
+    const Vec3 after = wall + relative_velocity_after_contact(*c->desc, v - wall,
+                                                              c->pose.rotation * distance.normal);
+    work += mass * (after - v).dot(wall);
+    v = after;
+  }
+  return v;
+}
+
+}  // namespace rend

@@ -1,0 +1,44 @@
+// What reaches grid nodes from outside: the pull tool and colliders. Shared by both solvers.
+#pragma once
+
+#include "engine/mpm/collider_contact.h"
+#include "engine/mpm/solver.h"
+
+#include <vector>
+
+namespace rend {
+
+/// Loads of one step on nodes in world units.
+class NodeLoads {
+ public:
+  /// Colliders are posed at `time`, the end of the step [s].
+  NodeLoads(const std::vector<ColliderDesc>& colliders, const PullForce& pull, Real time);
+
+  bool none() const { return colliders_.empty() && pull_.radius <= 0; }
+  bool pulls() const { return pull_.radius > 0; }
+  /// Fastest point of a collider [m/s].
+  Real collider_speed() const;
+
+  /// Share (0..1) of the pull at a point, (1 - r^2/R^2)^2 inside the radius.
+  Real falloff(const Vec3& x) const;
+  /// Mass that the pull acts on, sum of m falloff(x) over all nodes [kg].
+  void set_pulled_mass(Real mass) { pulled_mass_ = mass; }
+
+  /// Colliders that nodes within `radius` of `centre` can meet.
+  struct Near {
+    std::vector<const PosedCollider*> colliders;
+    bool pull = false;
+    bool none() const { return colliders.empty() && !pull; }
+  };
+  Near near(const Vec3& centre, Real radius) const;
+
+  /// Velocity of a node of mass m [kg] at x after pull and contact; adds their work [J] to `work`.
+  Vec3 apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v, Real& work) const;
+
+ private:
+  std::vector<PosedCollider> colliders_;
+  PullForce pull_;
+  Real pulled_mass_ = 0;
+};
+
+}  // namespace rend

@@ -1,0 +1,125 @@
+// What the host hands to the vector kernels and back: plain data and function pointers only.
+#pragma once
+
+#include "engine/material/law_constants.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace rend {
+
+// Lengths inside the tile solver are in cells, volumes in cells^3 and densities relative to a reference density;
+// times and stresses are SI. Cells are centred on nodes; a block is 4^3 of them, [-0.5, 3.5)^3 around its origin.
+inline constexpr int kLanes = 16;
+inline constexpr int kNodeRowFloats = 8 * 4;                ///< 8 nodes along z, 3 momenta and the mass each
+inline constexpr int kNodeTileFloats = 64 * kNodeRowFloats + kLanes;  ///< nodes -2..5 of a block, and a pad
+inline constexpr int kGridBlockFloats = 64 * 4;             ///< 4^3 nodes, velocity and mass each
+inline constexpr int kMotionFloats = 12 * kLanes;           ///< v and C of sixteen particles
+
+/// Where the attributes of sixteen particles lie in a tile, in groups of sixteen floats. The first ten are
+/// always there; the rest only when the scene needs them, and -1 otherwise.
+struct TileLayout {
+  static constexpr int kPosition = 0;  ///< x, y, z relative to the block
+  static constexpr int kStrain = 3;    ///< b^e - I: xx yy zz xy yz zx
+  static constexpr int kVolume = 9;    ///< rest volume, negative once the particle has yielded, 0 in pad lanes
+  int tau_c = -1;                      ///< state of the material law, see material_response
+  int tau_c0 = -1;                     ///< initial threshold, when it varies in space and damage needs it
+  int velocity = -1;                   ///< three groups, FLIP only
+  int groups = 10;
+
+  int floats() const { return groups * kLanes; }
+};
+
+/// One material as the kernels read it.
+struct MaterialConstants {
+  LawConstants<float> law;
+  float density = 1;  ///< relative to the reference density
+  float tau_c0 = 1;   ///< [Pa], unless the layout has one per particle
+  int response = 0;   ///< index into the table of laws: 3 * yield surface + damage
+};
+
+/// Numbers of one step.
+struct StepConstants {
+  TileLayout layout;
+  float dt = 0;             ///< of the motion [s]
+  float stress_factor = 0;  ///< -4 dt' / (reference density dx^2), dt' of the next scatter
+  float affine_keep = 1;    ///< momentum uses keep C + swap C^T
+  float affine_swap = 0;
+  float flip_ratio = 0;
+};
+
+/// A run of particles of one material in one block; 16 to a tile, the last tile padded.
+struct ParticleRun {
+  float* tiles = nullptr;
+  float* motion = nullptr;  ///< v and C of each tile, kMotionFloats each
+  const MaterialConstants* material = nullptr;
+  std::int32_t count = 0;
+};
+
+/// What a run reports after a pass.
+struct RunExtremes {
+  float speed2 = 0;          ///< max |v|^2 [cells^2/s^2]
+  float gradient2 = 0;       ///< max |C|_F^2 [1/s^2]
+  float least_stress = 0;    ///< min principal Kirchhoff stress, at most 0 [Pa]
+  float dissipation = 0;     ///< let go in this step [Pa cells^3]
+  bool finite = true;
+};
+
+/// One block's share of a pass over the particles.
+struct BlockTask {
+  const ParticleRun* runs = nullptr;
+  RunExtremes* extremes = nullptr;  ///< one per run
+  std::int32_t run_count = 0;
+  const float* grid = nullptr;              ///< velocities, kGridBlockFloats per grid block
+  const std::int32_t* neighbors = nullptr;  ///< 27 grid blocks, index 9 x + 3 y + z of offsets -1, 0, 1
+  float low[3], high[3];                    ///< bounds of the particles at the last re-bin
+  float* rows = nullptr;                    ///< out: touched node rows, one after the other
+  std::uint64_t touched = 0;                ///< out: bit 8 x + y of every touched row
+  std::uint64_t allowed = ~0ull;            ///< rows that `rows` has room for
+  float excess = 0;                         ///< out: farthest that a particle is beyond low or high
+};
+
+/// A block of particles that a grid block sums up.
+struct RowSource {
+  std::int32_t block = 0;     ///< index of the particle block
+  std::int32_t neighbor = 0;  ///< index of this grid block in that block's neighbors
+};
+
+/// Node rows of all particle blocks, as the particle pass left them.
+struct RowsOfBlock {
+  const float* rows = nullptr;
+  std::uint64_t touched = 0;
+};
+
+/// Sums, normalises and accelerates the nodes of one grid block.
+struct GridTask {
+  const RowSource* sources = nullptr;
+  std::int32_t source_count = 0;
+  const RowsOfBlock* blocks = nullptr;
+  float velocity_gain[4] = {0, 0, 0, 0};  ///< dt g [cells/s]
+  float* nodes = nullptr;                 ///< out: kGridBlockFloats
+  std::uint32_t touched = 0;              ///< out: bit 4 x + y of every row with mass
+  float max_speed = 0;                    ///< out: largest velocity component [cells/s]
+};
+
+/// The three passes over particles: scatter stored motion; gather, respond and scatter; gather, respond and store.
+enum class Pass { scatter, fused, gather };
+
+/// The kernels of one instruction set.
+struct TileKernels {
+  const char* name;  ///< "avx512", "avx2" or "sse4"
+  void (*particles[3])(const StepConstants&, BlockTask&);
+  void (*grid)(GridTask&);
+  /// Elastic energy density and largest principal stress [Pa] of `tiles` tiles of one material.
+  void (*measure)(const TileLayout&, const MaterialConstants&, const float* tile, int tiles, float* energy,
+                  float* stress);
+};
+
+/// Kernels of the best instruction set of this CPU, or of the one that the environment variable REND_SIMD names:
+/// "avx512", "avx2" or "sse4". nullptr when there is none, or for any other name ("none"): the reference solver runs.
+const TileKernels* tile_kernels();
+
+/// Kernels of every instruction set that this CPU can run, best first.
+std::vector<const TileKernels*> all_tile_kernels();
+
+}  // namespace rend

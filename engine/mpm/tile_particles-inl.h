@@ -1,0 +1,232 @@
+// One block's share of a step: gather from the grid, respond, scatter into the block's own node rows.
+#if defined(REND_MPM_TILE_PARTICLES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef REND_MPM_TILE_PARTICLES_INL_H_
+#undef REND_MPM_TILE_PARTICLES_INL_H_
+#else
+#define REND_MPM_TILE_PARTICLES_INL_H_
+#endif
+
+#include "engine/mpm/tile_grid-inl.h"
+#include "engine/mpm/tile_material-inl.h"
+
+#include <cstring>
+
+HWY_BEFORE_NAMESPACE();
+#if HWY_TARGET != HWY_SCALAR
+namespace rend {
+namespace HWY_NAMESPACE {
+
+/// Copies the rows of the 8^3 node tile that particles of this block read.
+HWY_INLINE void load_velocities(const BlockTask& task, std::uint64_t rows, float* velocity) {
+  for (; rows; rows &= rows - 1) {
+    const int row = __builtin_ctzll(rows), x = row >> 3, y = row & 7;
+    const std::int32_t* z = task.neighbors + 9 * (neighbor_of(x) + 1) + 3 * (neighbor_of(y) + 1);
+    const int n = (4 * place_in_neighbor(x) + place_in_neighbor(y)) * kLanes;
+    float* to = velocity + row * kNodeRowFloats;
+    copy8(task.grid + std::size_t(z[0]) * kGridBlockFloats + n + 8, to);
+    store_unaligned(load(task.grid + std::size_t(z[1]) * kGridBlockFloats + n), to + 8);
+    copy8(task.grid + std::size_t(z[2]) * kGridBlockFloats + n, to + 24);
+  }
+}
+
+/// Rows that sparse blocks read; dense ones read all.
+HWY_INLINE std::uint64_t rows_to_read(const BlockTask& task, int groups) {
+  std::uint64_t rows = 0;
+  for (int r = 0; r < task.run_count; ++r) {
+    const ParticleRun& run = task.runs[r];
+    if (run.count > 2 * kLanes) return ~0ull;
+    for (int i = 0; i < run.count; ++i) {
+      const float* x = run.tiles + std::size_t(i / kLanes) * groups * kLanes + i % kLanes;
+      const auto first = [](float at) HWY_ATTR {
+        const float base = __builtin_floorf(at - 0.5f);
+        return int(base > -2 ? (base < 3 ? base : 3) : -2) + 2;
+      };
+      rows |= stencil_rows(64 * first(x[0]) + 8 * first(x[kLanes]));
+    }
+  }
+  return rows;
+}
+
+/// A = H + H^2/2 + H^3/6 + H^4/24 of a 3 x 3 matrix: exp(H) - 1, and det(1 + A) > 0 for every H met in a step.
+HWY_INLINE void exponential_minus_one(const Lanes* H, Lanes* A) {
+  Lanes square[9], tail[9];
+  const auto product = [](const Lanes* x, const Lanes* y, Lanes* out) HWY_ATTR {
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        out[3 * a + b] = mul_add(x[3 * a], y[b], mul_add(x[3 * a + 1], y[3 + b], x[3 * a + 2] * y[6 + b]));
+  };
+  product(H, H, square);
+  for (int i = 0; i < 9; ++i) tail[i] = mul_add(square[i], Lanes(1.0f / 24), H[i] * Lanes(1.0f / 6));
+  for (int i = 0; i < 9; i += 4) tail[i] += Lanes(0.5f);
+  product(square, tail, A);
+  for (int i = 0; i < 9; ++i) A[i] += H[i];
+}
+
+/// Trial strain b - 1 <- (1 + A)(b)(1 + A)^T - 1, formed from b - 1 so that small strains keep their digits.
+HWY_INLINE void push_forward(const Lanes* A, Lanes* e) {
+  Lanes g[9];
+  for (int a = 0; a < 3; ++a) {
+    const Lanes* h = A + 3 * a;
+    g[3 * a] = mul_add(h[0], e[0], mul_add(h[1], e[3], mul_add(h[2], e[5], h[0])));
+    g[3 * a + 1] = mul_add(h[0], e[3], mul_add(h[1], e[1], mul_add(h[2], e[4], h[1])));
+    g[3 * a + 2] = mul_add(h[0], e[5], mul_add(h[1], e[4], mul_add(h[2], e[2], h[2])));
+  }
+  constexpr int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
+  for (int i = 0; i < 6; ++i) {
+    const int a = row[i], b = column[i];
+    const Lanes twice = mul_add(g[3 * a], A[3 * b],
+                                mul_add(g[3 * a + 1], A[3 * b + 1], g[3 * a + 2] * A[3 * b + 2]));
+    e[i] += g[3 * a + b] + g[3 * b + a] + twice;
+  }
+}
+
+inline constexpr float kNoExcess = -8;
+
+/// Extremes that a pass collects, lane by lane.
+struct LaneExtremes {
+  Lanes excess, speed2, gradient2;
+  LaneMask finite;
+
+  HWY_INLINE LaneExtremes()
+      : excess(kNoExcess), speed2(0.0f), gradient2(0.0f), finite(Lanes(0.0f) < Lanes(1.0f)) {}
+  HWY_INLINE void reduce(BlockTask& task, RunExtremes& run) const {
+    const float farthest = max_of_lanes(excess);
+    if (farthest > task.excess) task.excess = farthest;
+    run.speed2 = max_of_lanes(speed2);
+    run.gradient2 = max_of_lanes(gradient2);
+    run.finite = !any(!finite);
+  }
+};
+
+/// After the gather: moves the particles, pushes the strain forward, keeps v and C in work.
+template <Pass kPass>
+HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, float* tile,
+                          float* motion, int t, Work& work, LaneExtremes& extremes) {
+  Lanes v[4], G[3][4], x[3], offset[3], C[9], H[9], A[9], e[6];
+  transpose_gathered(work.gathered[t], v, G);
+  for (int a = 0; a < 3; ++a) offset[a] = load(work.offset[t][a]);
+  for (int b = 0; b < 3; ++b)
+    for (int a = 0; a < 3; ++a)
+      C[3 * a + b] = Lanes(4.0f) * neg_mul_add(offset[b], v[a], G[b][a]);
+  const Lanes dt(step.dt);
+  for (int a = 0; a < 3; ++a) {
+    float* place = tile + (TileLayout::kPosition + a) * kLanes;
+    x[a] = mul_add(dt, v[a], load(place));
+    store(x[a], place);
+    extremes.excess =
+        max(extremes.excess, max(x[a] - Lanes(task.high[a]), Lanes(task.low[a]) - x[a]));
+  }
+  const Lanes speed2 = mul_add(v[0], v[0], mul_add(v[1], v[1], v[2] * v[2]));
+  Lanes gradient2 = C[0] * C[0];
+  for (int i = 1; i < 9; ++i) gradient2 = mul_add(C[i], C[i], gradient2);
+  extremes.speed2 = max(extremes.speed2, speed2);
+  extremes.gradient2 = max(extremes.gradient2, gradient2);
+  extremes.finite = extremes.finite & (speed2 + gradient2 < Lanes(1e30f));
+  for (int i = 0; i < 9; ++i) H[i] = dt * C[i];
+  exponential_minus_one(H, A);
+  load_strain(tile, e);
+  push_forward(A, e);
+  for (int i = 0; i < 6; ++i) store(e[i], tile + (TileLayout::kStrain + i) * kLanes);
+  if constexpr (kPass == Pass::fused) {
+    for (int a = 0; a < 3; ++a) store(v[a], work.v[t][a]);
+    for (int i = 0; i < 9; ++i) store(C[i], work.C[t][i]);
+    stencil_weights(x, offset, work.weights[t]);
+    for (int a = 0; a < 3; ++a) store(offset[a], work.offset[t][a]);
+  } else {
+    for (int a = 0; a < 3; ++a) store(v[a], motion + a * kLanes);
+    for (int i = 0; i < 9; ++i) store(C[i], motion + (3 + i) * kLanes);
+  }
+}
+
+/// Momentum of sixteen particles with its affine part and the impulse of the stress until the next grid step.
+HWY_INLINE void pack_tile(const StepConstants& step, float density, const float* tile, int t, Work& work) {
+  Lanes v[3], offset[3], A[9];
+  for (int a = 0; a < 3; ++a) {
+    v[a] = load(work.v[t][a]);
+    offset[a] = load(work.offset[t][a]);
+  }
+  const Lanes V = abs(load(tile + TileLayout::kVolume * kLanes));
+  const Lanes mass = Lanes(density) * V, impulse = Lanes(step.stress_factor) * V;
+  const Lanes keep = mass * Lanes(step.affine_keep), swap = mass * Lanes(step.affine_swap);
+  constexpr int symmetric[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
+  for (int i = 0; i < 9; ++i) A[i] = mul_add(impulse, load(work.stress[t][symmetric[i]]), keep * load(work.C[t][i]));
+  if (step.affine_swap != 0)
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) A[3 * a + b] = mul_add(swap, load(work.C[t][3 * b + a]), A[3 * a + b]);
+  pack_momentum(mass, v, A, offset, work.momentum[t]);
+}
+
+/// Moves the touched rows together into the block's own memory.
+HWY_INLINE void store_rows(const float* nodes, BlockTask& task) {
+  float* to = task.rows;
+  for (std::uint64_t m = task.touched; m; m &= m - 1, to += kNodeRowFloats) {
+    const float* from = nodes + __builtin_ctzll(m) * kNodeRowFloats;
+    store(load(from), to);
+    store(load(from + 16), to + 16);
+  }
+}
+
+/// Weights of the positions in a tile as they are now.
+HWY_INLINE void weigh_tile(const float* tile, int t, Work& work) {
+  const Lanes x[3] = {load(tile), load(tile + kLanes), load(tile + 2 * kLanes)};
+  Lanes offset[3];
+  stencil_weights(x, offset, work.weights[t]);
+  for (int a = 0; a < 3; ++a) store(offset[a], work.offset[t][a]);
+}
+
+HWY_INLINE void load_motion(const float* motion, int t, Work& work) {
+  for (int a = 0; a < 3; ++a) store(load(motion + a * kLanes), work.v[t][a]);
+  for (int i = 0; i < 9; ++i) store(load(motion + (3 + i) * kLanes), work.C[t][i]);
+}
+
+template <Pass kPass>
+HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
+  const FlushDenormals flush;
+  static thread_local Work work;
+  const int tile_floats = step.layout.floats();
+  if constexpr (kPass != Pass::scatter)
+    load_velocities(task, rows_to_read(task, step.layout.groups), work.velocity);
+  task.touched = 0;
+  task.excess = kNoExcess;
+  for (int r = 0; r < task.run_count; ++r) {
+    const ParticleRun& run = task.runs[r];
+    const MaterialConstants& material = *run.material;
+    RunExtremes& out = task.extremes[r];
+    out = RunExtremes{};
+    LaneExtremes extremes;
+    for (int first = 0; first < run.count; first += kBatch * kLanes) {
+      const int count = run.count - first < kBatch * kLanes ? run.count - first : kBatch * kLanes;
+      const int tiles = (count + kLanes - 1) / kLanes;
+      float* const begin = run.tiles + std::size_t(first / kLanes) * tile_floats;
+      float* const motion = run.motion + std::size_t(first / kLanes) * kMotionFloats;
+      for (int t = 0; t < tiles; ++t) weigh_tile(begin + t * tile_floats, t, work);
+      if constexpr (kPass == Pass::scatter) {
+        for (int t = 0; t < tiles; ++t) load_motion(motion + t * kMotionFloats, t, work);
+        stress_batch(material, step.layout, begin, tiles, work);
+      } else {
+        for (int t = 0; t < tiles; ++t) {
+          const int lanes = count - t * kLanes < kLanes ? count - t * kLanes : kLanes;
+          gather_tile(work.velocity, work.weights[t], lanes, work.gathered[t]);
+        }
+        for (int t = 0; t < tiles; ++t)
+          move_tile<kPass>(step, task, begin + t * tile_floats, motion + t * kMotionFloats, t, work,
+                           extremes);
+        respond_function(material.response)(material, step.layout, begin, tiles, work, out);
+      }
+      if constexpr (kPass != Pass::gather) {
+        for (int t = 0; t < tiles; ++t)
+          pack_tile(step, material.density, begin + t * tile_floats, t, work);
+        scatter_batch(work.weights, work.momentum, count, work.nodes, task.touched);
+      }
+    }
+    if constexpr (kPass != Pass::scatter) extremes.reduce(task, out);
+  }
+  task.touched &= task.allowed;  // all of it, unless a particle ran past the guard, which the excess tells
+  if constexpr (kPass != Pass::gather) store_rows(work.nodes, task);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rend
+#endif
+HWY_AFTER_NAMESPACE();
+#endif  // include toggle

@@ -1,0 +1,415 @@
+// What the tile solver tells, and its state as a file.
+#include "engine/core/error.h"
+#include "engine/core/parallel.h"
+#include "engine/core/random.h"
+#include "engine/mpm/material_state.h"
+#include "engine/mpm/state_file.h"
+#include "engine/mpm/tile_solver.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace rend {
+
+namespace {
+
+constexpr const char* kKind = "tile";
+
+struct ReportSums {
+  Real mass = 0, kinetic = 0, elastic = 0, gravity = 0, max_speed2 = 0;
+  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
+  Index yielded = 0, damaged = 0;
+  ReportSums& operator+=(const ReportSums& o) {
+    mass += o.mass;
+    kinetic += o.kinetic;
+    elastic += o.elastic;
+    gravity += o.gravity;
+    max_speed2 = std::max(max_speed2, o.max_speed2);
+    momentum += o.momentum;
+    angular += o.angular;
+    yielded += o.yielded;
+    damaged += o.damaged;
+    return *this;
+  }
+};
+
+}  // namespace
+
+template <class F>
+void TileSolver::each_run(F&& visit) const {
+  parallel_for(static_cast<Index>(store_.blocks().size()), 4, [&](Index b) {
+    const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+    for (int r = 0; r < block.run_count; ++r)
+      visit(store_.runs()[static_cast<std::size_t>(block.first_run + r)], block);
+  });
+}
+
+Real TileSolver::tau_c0(std::size_t material, Index id) const {
+  return initial_threshold(materials_[material].desc.yield_surface) *
+         (strength_.empty() ? 1.0 : static_cast<Real>(strength_[static_cast<std::size_t>(id)]));
+}
+
+bool TileSolver::is_damaged(std::size_t material, float tau_c) const {
+  const MaterialDesc& desc = materials_[material].desc;
+  return desc.yield_surface.type != 0 && desc.damage.type != DamageType::off && !(tau_c > 0);
+}
+
+// One particle of a run: its place in the tile, in the motion, and its id.
+struct TileSolver::Lane {
+  const float* tile;
+  const float* motion;
+  Index id;
+
+  float x(int a) const { return tile[a * kLanes]; }
+  float v(int a) const { return motion[a * kLanes]; }
+  float C(int i) const { return motion[(3 + i) * kLanes]; }
+  float volume() const { return std::abs(tile[TileLayout::kVolume * kLanes]); }
+  bool yielded() const { return std::signbit(tile[TileLayout::kVolume * kLanes]); }
+};
+
+TileSolver::Lane TileSolver::lane(const TileRun& run, int i) const {
+  const std::int32_t t = run.first_tile + i / kLanes;
+  return {store_.tile(t) + i % kLanes, motion() + std::size_t(t) * kMotionFloats + i % kLanes,
+          store_.ids()[std::size_t(run.first_tile) * kLanes + static_cast<std::size_t>(i)]};
+}
+
+float TileSolver::tau_c(const Lane& lane) const {
+  return store_.layout().tau_c < 0 ? 1.0f : lane.tile[store_.layout().tau_c * kLanes];
+}
+
+Vec3 TileSolver::world_position(const TileBlock& block, const Lane& lane) const {
+  return dx_ * (4.0 * block.coord.cast<Real>() + Vec3(lane.x(0), lane.x(1), lane.x(2)));
+}
+
+std::vector<TileSolver::Point> TileSolver::points() const {
+  std::vector<Point> out(static_cast<std::size_t>(store_.particle_count()));
+  each_run([&](const TileRun& run, const TileBlock& block) {
+    for (int i = 0; i < run.count; ++i) {
+      const Lane p = lane(run, i);
+      Point& point = out[static_cast<std::size_t>(p.id)];
+      point.x = world_position(block, p);
+      point.v = dx_ * Vec3(p.v(0), p.v(1), p.v(2));
+      for (int k = 0; k < 9; ++k) point.C(k / 3, k % 3) = p.C(k);
+      const auto e = [&](int k) { return static_cast<Real>(p.tile[(TileLayout::kStrain + k) * kLanes]); };
+      point.strain << e(0), e(3), e(5), e(3), e(1), e(4), e(5), e(4), e(2);
+      point.tau_c = tau_c(p);
+    }
+  });
+  return out;
+}
+
+Snapshot TileSolver::snapshot() const {
+  Snapshot out;
+  const auto count = static_cast<std::size_t>(store_.particle_count());
+  out.frame = frame_;
+  out.time = time_;
+  out.x.resize(count);
+  out.v.resize(count);
+  out.damage.resize(count);
+  out.stress.resize(count);
+  out.yielded.resize(count);
+  each_run([&](const TileRun& run, const TileBlock& block) {
+    std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes), stress(energy.size());
+    measure(run, energy, stress);
+    for (int i = 0; i < run.count; ++i) {
+      const Lane p = lane(run, i);
+      const auto id = static_cast<std::size_t>(p.id);
+      out.x[id] = world_position(block, p);
+      out.v[id] = (dx_ * Vec3(p.v(0), p.v(1), p.v(2))).cast<float>();
+      out.stress[id] = stress[static_cast<std::size_t>(i)];
+      out.yielded[id] = p.yielded();
+      const Real full = tau_c0(run.material, p.id);
+      const Real lost = full > 0 && store_.layout().tau_c >= 0 ? 1 - tau_c(p) / full : 0;
+      out.damage[id] =
+          is_damaged(run.material, tau_c(p)) ? 1.0f : static_cast<float>(std::clamp(lost, 0.0, 1.0));
+    }
+  });
+  out.report = report_;
+  return out;
+}
+
+// The kernels want aligned memory, and vectors of a tile are small enough for the stack.
+void TileSolver::measure(const TileRun& run, std::vector<float>& energy,
+                         std::vector<float>& stress) const {
+  alignas(64) float e[kLanes], s[kLanes];
+  for (int t = 0; t < run.tiles(); ++t) {
+    kernels_->measure(store_.layout(), materials_[run.material].constants,
+                      store_.tile(run.first_tile + t), 1, e, s);
+    std::copy(e, e + kLanes, energy.begin() + t * kLanes);
+    std::copy(s, s + kLanes, stress.begin() + t * kLanes);
+  }
+}
+
+void TileSolver::fill_report(FrameReport& report) const {
+  const Real cell_volume = dx_ * dx_ * dx_;
+  const ReportSums sums =
+      ordered_sum(static_cast<Index>(store_.blocks().size()), 4, ReportSums(), [&](Index b) {
+        const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+        ReportSums sum;
+        for (int r = 0; r < block.run_count; ++r) {
+          const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+          std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes),
+              stress(energy.size());
+          measure(run, energy, stress);
+          for (int i = 0; i < run.count; ++i) {
+            const Lane p = lane(run, i);
+            const Real volume = p.volume() * cell_volume;
+            const Real m = volume * materials_[run.material].desc.density;
+            const Vec3 x = world_position(block, p);
+            const Vec3 v = dx_ * Vec3(p.v(0), p.v(1), p.v(2));
+            ReportSums one;
+            one.mass = m;
+            one.momentum = m * v;
+            one.angular = m * x.cross(v);
+            if (scene_.solver.transfer != Transfer::pic)  // sum_i w r x (C r), sum_i w r r^T = dx^2/4
+              one.angular += m * 0.25 * dx_ * dx_ * angular_part(p);
+            one.kinetic = 0.5 * m * v.squaredNorm();
+            one.gravity = -m * gravity_.dot(x);
+            one.elastic = volume * energy[static_cast<std::size_t>(i)];
+            one.max_speed2 = v.squaredNorm();
+            one.yielded = p.yielded();
+            one.damaged = is_damaged(run.material, tau_c(p));
+            sum += one;
+          }
+        }
+        return sum;
+      });
+  report.frame = frame_;
+  report.time = time_;
+  report.particles = store_.particle_count();
+  report.mass = sums.mass;
+  report.momentum = sums.momentum;
+  report.angular_momentum = sums.angular;
+  report.kinetic_energy = sums.kinetic;
+  report.elastic_energy = sums.elastic;
+  report.gravity_energy = sums.gravity;
+  report.dissipated_energy = dissipated_;
+  report.external_work = external_work_;
+  report.max_speed = std::sqrt(sums.max_speed2);
+  report.yielded = sums.yielded;
+  report.damaged = sums.damaged;
+  report.state_hash = state_hash();
+}
+
+Vec3 TileSolver::angular_part(const Lane& p) const {
+  // Momentum is carried by keep C + swap C^T, whose skew part is that of C times keep - swap.
+  const StepConstants step = step_constants(0, 0);
+  const Real share = static_cast<Real>(step.affine_keep) - static_cast<Real>(step.affine_swap);
+  return share * Vec3(p.C(7) - p.C(5), p.C(2) - p.C(6), p.C(3) - p.C(1));
+}
+
+// A sum over particles of well mixed words does not depend on the order that they are stored in.
+std::uint64_t TileSolver::state_hash() const {
+  struct Sum {
+    std::uint64_t bits = 0;
+    Sum& operator+=(const Sum& other) {
+      bits += other.bits;
+      return *this;
+    }
+  };
+  const Sum sum = ordered_sum(static_cast<Index>(store_.blocks().size()), 8, Sum(), [&](Index b) {
+    const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+    Sum out;
+    for (int r = 0; r < block.run_count; ++r) {
+      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+      for (int i = 0; i < run.count; ++i) {
+        const Lane p = lane(run, i);
+        std::uint64_t hash = mix_bits(static_cast<std::uint64_t>(p.id) ^ BlockIndex::key(block.coord) << 1);
+        for (int g = 0; g < store_.layout().groups; ++g)
+          hash = mix_bits(hash ^ std::bit_cast<std::uint32_t>(p.tile[g * kLanes]));
+        for (int g = 0; g < 12; ++g)
+          hash = mix_bits(hash ^ std::bit_cast<std::uint32_t>(p.motion[g * kLanes]));
+        out += Sum{hash};
+      }
+    }
+    return out;
+  });
+  return mix_bits(sum.bits ^ std::bit_cast<std::uint64_t>(time_));
+}
+
+TileSolver::Fault TileSolver::first_bad_particle() const {
+  struct First {
+    Fault fault;
+    First& operator+=(const First& other) {
+      if (fault.status == Status::ok) fault = other.fault;
+      return *this;
+    }
+  };
+  return ordered_sum(static_cast<Index>(store_.blocks().size()), 8, First(), [&](Index b) {
+           const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+           First first;
+           for (int r = 0; r < block.run_count; ++r) {
+             const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+             for (int i = 0; i < run.count && first.fault.status == Status::ok; ++i) {
+               const Lane p = lane(run, i);
+               float sum = 0;
+               for (int g = 0; g < store_.layout().groups; ++g) sum += std::abs(p.tile[g * kLanes]);
+               for (int g = 0; g < 12; ++g) sum += std::abs(p.motion[g * kLanes]);
+               if (!std::isfinite(sum)) first.fault = {Status::not_finite, p.id, 0};
+             }
+           }
+           if (first.fault.status == Status::ok &&
+               block.coord.cwiseAbs().maxCoeff() > TileStore::kLimit - 2)
+             first.fault = {Status::left_domain,
+                            lane(store_.runs()[static_cast<std::size_t>(block.first_run)], 0).id,
+                            4 * dx_ * block.coord.cwiseAbs().maxCoeff()};
+           return first;
+         })
+      .fault;
+}
+
+// Extremes of the state at rest in the store, as a step of length 0 would leave them.
+void TileSolver::measure_motion() {
+  motion_ = ordered_sum(static_cast<Index>(store_.blocks().size()), 4, MotionExtremes(), [&](Index b) {
+    const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+    MotionExtremes out;
+    for (int r = 0; r < block.run_count; ++r) {
+      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+      const MaterialDesc& material = materials_[run.material].desc;
+      const Lame lame = lame_parameters(material.youngs_modulus, material.poisson_ratio);
+      out.stiffness = std::max(out.stiffness, wave_stiffness(lame.mu, lame.lambda, 0) / material.density);
+      for (int i = 0; i < run.count; ++i) {
+        const Lane p = lane(run, i);
+        Real C2 = 0;
+        for (int k = 0; k < 9; ++k) C2 += static_cast<Real>(p.C(k)) * p.C(k);
+        const bool affine = scene_.solver.transfer != Transfer::pic;
+        out.gradient = std::max(out.gradient, std::sqrt(C2));
+        out.speed = std::max(out.speed, dx_ * (Vec3(p.v(0), p.v(1), p.v(2)).norm() +
+                                               (affine ? std::sqrt(3 * C2) : 0)));
+      }
+    }
+    return out;
+  });
+  for (const PosedCollider& c : pose_colliders(scene_.colliders, time_))
+    motion_.collider_speed = std::max(motion_.collider_speed, fastest_point(c));
+}
+
+// ---- steering and files
+
+void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
+  const Real before = initial_threshold(materials_.at(index).desc.yield_surface);
+  materials_[index] = {material, constants_of(material)};
+  const Real now = initial_threshold(material.yield_surface);
+  ensure_threshold();
+  const TileLayout& layout = store_.layout();
+  if (layout.tau_c >= 0)
+    for (const TileRun& run : store_.runs()) {
+      if (run.material != index) continue;
+      for (int i = 0; i < run.count; ++i) {
+        const std::int32_t t = run.first_tile + i / kLanes;
+        float* lane = store_.tile(t) + i % kLanes;
+        const Index id = store_.ids()[std::size_t(run.first_tile) * kLanes + static_cast<std::size_t>(i)];
+        float& state = lane[layout.tau_c * kLanes];
+        if (state > 0 || before == 0)
+          state = static_cast<float>(before > 0 ? state * (now / before) : tau_c0(index, id));
+        if (layout.tau_c0 >= 0) lane[layout.tau_c0 * kLanes] = static_cast<float>(tau_c0(index, id));
+      }
+    }
+  measure_motion();
+}
+
+TileSolver::State TileSolver::state() const {
+  State s;
+  s.store = store_.state();
+  s.motion.assign(motion(), motion() + std::size_t(store_.tile_count()) * kMotionFloats);
+  s.time = time_;
+  s.dissipated = dissipated_;
+  s.external_work = external_work_;
+  s.extremes = motion_;
+  s.excess = excess_;
+  return s;
+}
+
+void TileSolver::restore(const State& s) {
+  store_.restore(s.store);
+  spare_.reserve(std::max(s.motion.size(), s.store.tiles.size()));
+  std::copy(s.motion.begin(), s.motion.end(), motion());
+  time_ = s.time;
+  dissipated_ = s.dissipated;
+  external_work_ = s.external_work;
+  motion_ = s.extremes;
+  excess_ = s.excess;
+  update_topology();
+}
+
+void TileSolver::save(std::ostream& out) const {
+  StateWriter writer;
+  const State s = state();
+  writer.put(s.time);
+  writer.put(frame_);
+  writer.put(s.dissipated);
+  writer.put(s.external_work);
+  writer.put(s.extremes);
+  writer.put(s.excess);
+  writer.put(gravity_);
+  writer.put(pull_.at);
+  writer.put(pull_.force);
+  writer.put(pull_.radius);
+  for (const Material& material : materials_) put_material(writer, material.desc);
+  writer.put(s.store.layout);
+  writer.put(s.store.blocks);
+  writer.put(s.store.runs);
+  writer.put(s.store.ids);
+  writer.put(s.store.tiles);
+  writer.put(s.motion);
+  writer.write(out, kKind, scene_hash_);
+}
+
+void TileSolver::load(std::istream& in) {
+  StateReader reader(in, kKind, scene_hash_);
+  State s;
+  Index frame;
+  Vec3 gravity;
+  PullForce pull;
+  reader.get(s.time);
+  reader.get(frame);
+  reader.get(s.dissipated);
+  reader.get(s.external_work);
+  reader.get(s.extremes);
+  reader.get(s.excess);
+  reader.get(gravity);
+  reader.get(pull.at);
+  reader.get(pull.force);
+  reader.get(pull.radius);
+  std::vector<Material> materials;
+  for (const Material& material : materials_) {
+    const MaterialDesc desc = get_material(reader, material.desc);
+    materials.push_back({desc, constants_of(desc)});
+  }
+  reader.get(s.store.layout);
+  reader.get(s.store.blocks);
+  reader.get(s.store.runs);
+  reader.get(s.store.ids);
+  reader.get(s.store.tiles);
+  reader.get(s.motion);
+  reader.finish();
+  if (!s.store.fits(store_.particle_count()))
+    throw Error("state", "its tiles do not hold the particles of this scene");
+  restore(s);
+  frame_ = frame;
+  gravity_ = gravity;
+  pull_ = pull;
+  materials_ = std::move(materials);
+  report_ = {};
+  fill_report(report_);
+}
+
+std::string TileSolver::describe() const {
+  const char* transfers[] = {"pic", "flip", "apic", "rpic"};
+  return fmt::format("tile solver, float, {}, {}, quadratic kernel, mls force", kernels_->name,
+                     transfers[static_cast<int>(scene_.solver.transfer)]);
+}
+
+double TileSolver::bytes_per_particle() const {
+  const double bytes = static_cast<double>(store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() +
+                                           run_extremes_.capacity() * sizeof(RunExtremes) +
+                                           strength_.size() * sizeof(float) +
+                                           material_of_.size() * sizeof(std::uint16_t));
+  return bytes / std::max<double>(1, store_.particle_count());
+}
+
+}  // namespace rend

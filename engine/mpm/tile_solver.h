@@ -1,0 +1,128 @@
+// The fast solver: explicit MPM in float, vectorised, one pass over the particles a step.
+#pragma once
+
+#include "engine/mpm/collider_contact.h"
+#include "engine/mpm/solver.h"
+#include "engine/mpm/tile_grid.h"
+#include "engine/mpm/tile_kernel.h"
+#include "engine/mpm/tile_store.h"
+#include "engine/mpm/time_step.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rend {
+
+/// Wall seconds that the stages of advance() have taken.
+struct TileTimes {
+  Real grid = 0, particles = 0, rebin = 0, frame = 0;  ///< frame: first scatter, backup and report
+  Index steps = 0, rebins = 0;
+};
+
+/// A step reads the node rows of the last one: grid blocks sum them, then every particle block gathers, responds
+/// and scatters for the next step in one go, so v and C are stored at the ends of a frame only. Particles are
+/// re-binned when the guard says so: how far any of them is beyond its block plus dt times the largest node
+/// velocity, which bounds every particle's motion because a particle's velocity is a convex mean of node velocities.
+class TileSolver : public Solver {
+ public:
+  /// Why the tile solver cannot run a scene; empty when it can.
+  static std::string obstacle(const SceneDesc& scene);
+
+  /// `kernels` picks an instruction set; nullptr is the one of tile_kernels().
+  /// @throws Error for particles that are not finite or too far out. @pre obstacle(scene) is empty.
+  TileSolver(const SceneDesc& scene, const Model& model, const TileKernels* kernels = nullptr);
+
+  FrameReport advance(Real duration, const BetweenSteps& between = {}) override;
+  Real time() const override { return time_; }
+  Snapshot snapshot() const override;
+  void set_material(std::size_t index, const MaterialDesc& material) override;
+  void set_gravity(const Vec3& gravity) override { gravity_ = gravity; }
+  void set_pull(const PullForce& pull) override { pull_ = pull; }
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+  std::string describe() const override;
+  double bytes_per_particle() const override;
+
+  /// State of one particle in SI units, for comparisons.
+  struct Point {
+    Vec3 x, v;
+    Mat3 C, strain;  ///< b^e - I
+    Real tau_c;
+  };
+  std::vector<Point> points() const;  ///< by id
+  const TileTimes& times() const { return times_; }
+  double rollback_bytes_per_particle() const;
+
+ private:
+  struct Material {
+    MaterialDesc desc;
+    MaterialConstants constants;
+  };
+  struct Fault {
+    Status status = Status::ok;
+    Index particle = -1;
+    Real amount = 0;
+  };
+  struct StepSums {
+    MotionExtremes motion;
+    Real dissipation = 0;
+    float excess = 0;
+    bool finite = true;
+    StepSums& operator+=(const StepSums& other);
+  };
+  // Everything that a bad frame must give back, and that a file must keep.
+  struct State {
+    TileStore::State store;
+    std::vector<float> motion;
+    Real time = 0, dissipated = 0, external_work = 0;
+    MotionExtremes extremes;
+    float excess = 0;
+  };
+
+  void place(const Model& model);
+  MaterialConstants constants_of(const MaterialDesc& material) const;
+  StepConstants step_constants(Real dt, Real next_dt) const;
+  StepSums particle_pass(Pass pass, const StepConstants& step);
+  /// Largest node velocity component [cells/s].
+  Real grid_pass(Real dt);
+  void update_topology();
+  void measure_motion();
+  Fault first_bad_particle() const;
+  State state() const;
+  void restore(const State& state);
+  void fill_report(FrameReport& report) const;
+  std::uint64_t state_hash() const;
+  bool is_damaged(std::size_t material, float tau_c) const;
+  Real tau_c0(std::size_t material, Index id) const;
+  float* motion() const { return spare_.data(); }
+
+  /// Calls visit(run, block) for every run.
+  template <class F>
+  void each_run(F&& visit) const;
+
+  SceneDesc scene_;
+  Real dx_;
+  Real density_;  ///< reference [kg/m3]
+  const TileKernels* kernels_;
+  std::vector<Material> materials_;
+  std::vector<float> strength_;
+  std::vector<std::uint16_t> material_of_;  ///< by id
+  std::uint64_t scene_hash_ = 0;
+
+  TileStore store_;
+  mutable AlignedFloats spare_;  ///< v and C between frames, room to re-bin within one
+  TileGrid grid_;
+  std::vector<RunExtremes> run_extremes_;
+  float excess_ = 0;
+  MotionExtremes motion_;
+  Vec3 gravity_;
+  PullForce pull_;
+  Real time_ = 0, dissipated_ = 0, external_work_ = 0;
+  Index frame_ = 0;
+  FrameReport report_;
+  State good_;
+  TileTimes times_;
+};
+
+}  // namespace rend

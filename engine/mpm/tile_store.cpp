@@ -1,0 +1,245 @@
+// Counting sorts by block, material and cell.
+#include "engine/mpm/tile_store.h"
+
+#include "engine/core/parallel.h"
+#include "engine/mpm/block_index.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <tuple>
+
+namespace rend {
+
+namespace {
+
+constexpr int kNeighbors = 27;
+
+Vec3i neighbor_offset(int k) { return Vec3i(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1); }
+
+int cell_of(float x) { return std::clamp(static_cast<int>(std::floor(x + 0.5f)), 0, 3); }
+
+int cell_index(const float* x, int stride) {
+  return (cell_of(x[0]) * 4 + cell_of(x[stride])) * 4 + cell_of(x[2 * stride]);
+}
+
+std::uint8_t halves_of_cell(int cell) {
+  const auto half = [](int c) { return c < 2 ? 1 : 2; };
+  return static_cast<std::uint8_t>(half(cell >> 4) | half(cell >> 2 & 3) << 2 | half(cell & 3) << 4);
+}
+
+}  // namespace
+
+void TileStore::lay_out_tiles(std::vector<TileRun>& runs) {
+  tile_count_ = 0;
+  particle_count_ = 0;
+  for (TileRun& run : runs) {
+    run.first_tile = tile_count_;
+    tile_count_ += run.tiles();
+    particle_count_ += run.count;
+  }
+}
+
+// Pad lanes follow the last particle of the run without mass: a place of their own would cost the scatter a flush.
+void TileStore::pad(const TileRun& run) {
+  const int used = run.count % kLanes;
+  if (used == 0) return;
+  float* last = tile(run.first_tile + run.tiles() - 1);
+  for (int g = 0; g < layout_.groups; ++g)
+    for (int l = used; l < kLanes; ++l)
+      last[g * kLanes + l] = g == TileLayout::kVolume ? 0 : last[g * kLanes + used - 1];
+}
+
+void TileStore::place(const TileLayout& layout, std::vector<Arrival> arrivals,
+                      const std::function<void(float*, Index)>& fill) {
+  layout_ = layout;
+  const auto order = [](const Arrival& a) {
+    return std::tuple(BlockIndex::key(a.block), a.material, cell_index(a.x, 1), a.id);
+  };
+  std::sort(arrivals.begin(), arrivals.end(),
+            [&](const Arrival& a, const Arrival& b) { return order(a) < order(b); });
+  blocks_.clear();
+  runs_.clear();
+  const Arrival* before = nullptr;
+  for (const Arrival& a : arrivals) {
+    const bool new_block = !before || a.block != before->block;
+    if (new_block) {
+      blocks_.emplace_back();
+      blocks_.back().coord = a.block;
+      blocks_.back().first_run = static_cast<std::int32_t>(runs_.size());
+    }
+    if (new_block || a.material != before->material) {
+      runs_.push_back({0, 0, a.material});
+      ++blocks_.back().run_count;
+    }
+    ++runs_.back().count;
+    ++blocks_.back().count;
+    blocks_.back().halves |= halves_of_cell(cell_index(a.x, 1));
+    before = &a;
+  }
+  lay_out_tiles(runs_);
+  tiles_.reserve(std::size_t(tile_count_) * layout_.floats());
+  ids_.assign(std::size_t(tile_count_) * kLanes, -1);
+  std::size_t next = 0;
+  for (const TileRun& run : runs_) {
+    for (int i = 0; i < run.count; ++i, ++next) {
+      float* lane = tile(run.first_tile + i / kLanes) + i % kLanes;
+      for (int a = 0; a < 3; ++a) lane[a * kLanes] = arrivals[next].x[a];
+      fill(lane, arrivals[next].id);
+      ids_[std::size_t(run.first_tile) * kLanes + i] = arrivals[next].id;
+    }
+    pad(run);
+  }
+}
+
+void TileStore::rebin(AlignedFloats& spare) {
+  const Index old_count = static_cast<Index>(blocks_.size());
+  // Particles of every block, grouped by the neighbor that they go to.
+  std::vector<std::array<std::int32_t, kNeighbors + 1>> group(blocks_.size());
+  std::vector<std::int32_t> slots(ids_.size());
+  parallel_for(old_count, 4, [&](Index b) {
+    const TileBlock& block = blocks_[b];
+    const std::int32_t first = runs_[block.first_run].first_tile * kLanes;
+    std::array<std::int32_t, kNeighbors + 1> at{};
+    const auto destination = [&](const float* lane) {
+      int k = 0;
+      for (int a = 0; a < 3; ++a) {
+        const float x = lane[a * kLanes];
+        k = 3 * k + (x < -0.5f ? 0 : x >= 3.5f ? 2 : 1);
+      }
+      return k;
+    };
+    const auto each = [&](auto&& visit) {
+      for (int r = block.first_run; r < block.first_run + block.run_count; ++r)
+        for (int i = 0; i < runs_[r].count; ++i)
+          visit(runs_[r].first_tile * kLanes + i,
+                destination(tile(runs_[r].first_tile + i / kLanes) + i % kLanes));
+    };
+    each([&](std::int32_t, int k) { ++at[k + 1]; });
+    for (int k = 0; k < kNeighbors; ++k) at[k + 1] += at[k];
+    for (int k = 0; k <= kNeighbors; ++k) group[b][k] = first + at[k];
+    each([&](std::int32_t slot, int k) { slots[first + at[k]++] = slot; });
+  });
+
+  // Blocks that hold particles now, in Morton order, and where their particles come from.
+  struct Source {
+    std::uint64_t key;
+    Index block;
+    int neighbor;
+  };
+  std::vector<Source> sources;
+  sources.reserve(blocks_.size() * 2);
+  for (Index b = 0; b < old_count; ++b)
+    for (int k = 0; k < kNeighbors; ++k)
+      if (group[b][k + 1] > group[b][k])
+        sources.push_back({BlockIndex::key(blocks_[b].coord + neighbor_offset(k)), b, k});
+  std::sort(sources.begin(), sources.end(), [](const Source& a, const Source& b) {
+    return std::tie(a.key, a.block, a.neighbor) < std::tie(b.key, b.block, b.neighbor);
+  });
+  std::vector<TileBlock> blocks;
+  std::vector<std::size_t> first_source;
+  for (std::size_t s = 0; s < sources.size(); ++s)
+    if (s == 0 || sources[s].key != sources[s - 1].key) {
+      blocks.emplace_back();
+      blocks.back().coord = blocks_[sources[s].block].coord + neighbor_offset(sources[s].neighbor);
+      first_source.push_back(s);
+    }
+  first_source.push_back(sources.size());
+
+  // Calls visit(old slot, material, neighbor it comes through) for the particles of a new block, in a fixed order.
+  const auto each_incoming = [&](Index n, auto&& visit) {
+    for (std::size_t s = first_source[n]; s < first_source[n + 1]; ++s) {
+      const TileBlock& from = blocks_[sources[s].block];
+      std::int32_t run = from.first_run;
+      for (std::int32_t i = group[sources[s].block][sources[s].neighbor];
+           i < group[sources[s].block][sources[s].neighbor + 1]; ++i) {
+        while (slots[i] >= (runs_[run].first_tile + runs_[run].tiles()) * kLanes) ++run;
+        visit(slots[i], runs_[run].material, sources[s].neighbor);
+      }
+    }
+  };
+
+  const Index new_count = static_cast<Index>(blocks.size());
+  std::vector<std::vector<TileRun>> runs_of(blocks.size());
+  parallel_for(new_count, 4, [&](Index n) {
+    std::vector<TileRun>& runs = runs_of[n];
+    each_incoming(n, [&](std::int32_t, std::uint16_t material, int) {
+      auto at = std::lower_bound(runs.begin(), runs.end(), material,
+                                 [](const TileRun& r, std::uint16_t m) { return r.material < m; });
+      if (at == runs.end() || at->material != material) at = runs.insert(at, {0, 0, material});
+      ++at->count;
+      ++blocks[n].count;
+    });
+  });
+  std::vector<TileRun> runs;
+  for (Index n = 0; n < new_count; ++n) {
+    blocks[n].first_run = static_cast<std::int32_t>(runs.size());
+    blocks[n].run_count = static_cast<std::int32_t>(runs_of[n].size());
+    runs.insert(runs.end(), runs_of[n].begin(), runs_of[n].end());
+  }
+  lay_out_tiles(runs);
+
+  const int floats = layout_.floats();
+  spare.reserve(std::size_t(tile_count_) * floats);
+  std::vector<Index> ids(std::size_t(tile_count_) * kLanes, -1);
+  parallel_for(new_count, 4, [&](Index n) {
+    TileBlock& block = blocks[n];
+    std::vector<std::array<std::int32_t, 65>> next(block.run_count);
+    const auto run_of = [&](std::uint16_t material) {
+      int r = 0;
+      while (runs[block.first_run + r].material != material) ++r;
+      return r;
+    };
+    const auto moved = [&](std::int32_t slot, int k, float* x) {
+      const float* lane = tile(slot / kLanes) + slot % kLanes;
+      const Vec3i offset = neighbor_offset(k);
+      for (int a = 0; a < 3; ++a) x[a] = lane[a * kLanes] - 4.0f * static_cast<float>(offset[a]);
+      return lane;
+    };
+    float x[3];
+    each_incoming(n, [&](std::int32_t slot, std::uint16_t material, int k) {
+      moved(slot, k, x);
+      const int cell = cell_index(x, 1);
+      block.halves |= halves_of_cell(cell);
+      ++next[run_of(material)][cell + 1];
+    });
+    for (auto& at : next)
+      for (int c = 0; c < 64; ++c) at[c + 1] += at[c];
+    each_incoming(n, [&](std::int32_t slot, std::uint16_t material, int k) {
+      const float* from = moved(slot, k, x);
+      const int r = run_of(material);
+      const std::int32_t to = runs[block.first_run + r].first_tile * kLanes + next[r][cell_index(x, 1)]++;
+      float* lane = spare.data() + std::size_t(to / kLanes) * floats + to % kLanes;
+      for (int a = 0; a < 3; ++a) lane[a * kLanes] = x[a];
+      for (int g = 3; g < layout_.groups; ++g) lane[g * kLanes] = from[g * kLanes];
+      ids[to] = ids_[slot];
+    });
+  });
+  std::swap(tiles_, spare);
+  ids_.swap(ids);
+  blocks_.swap(blocks);
+  runs_.swap(runs);
+  parallel_for(static_cast<Index>(runs_.size()), 64, [&](Index r) { pad(runs_[r]); });
+}
+
+TileStore::State TileStore::state() const {
+  const std::size_t floats = std::size_t(tile_count_) * layout_.floats();
+  return {blocks_, runs_, ids_, std::vector<float>(tiles_.data(), tiles_.data() + floats)};
+}
+
+void TileStore::restore(const State& state) {
+  blocks_ = state.blocks;
+  runs_ = state.runs;
+  ids_ = state.ids;
+  lay_out_tiles(runs_);
+  tiles_.reserve(state.tiles.size());
+  std::copy(state.tiles.begin(), state.tiles.end(), tiles_.data());
+}
+
+std::size_t TileStore::bytes() const {
+  return tiles_.size() * sizeof(float) + ids_.capacity() * sizeof(Index) +
+         runs_.capacity() * sizeof(TileRun) + blocks_.capacity() * sizeof(TileBlock);
+}
+
+}  // namespace rend

@@ -1,0 +1,227 @@
+// Transfers between particles and node rows: sixteen particles for weights, sixteen node values for sums.
+#if defined(REND_MPM_TILE_TRANSFER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef REND_MPM_TILE_TRANSFER_INL_H_
+#undef REND_MPM_TILE_TRANSFER_INL_H_
+#else
+#define REND_MPM_TILE_TRANSFER_INL_H_
+#endif
+
+#include "engine/core/lanes-inl.h"
+#include "engine/mpm/tile_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+#if HWY_TARGET != HWY_SCALAR
+namespace rend {
+namespace HWY_NAMESPACE {
+
+/// Rounds denormal numbers to 0 while it lives: they cost a hundred times a normal one on some CPUs, and setting it
+/// in every kernel keeps results independent of the thread that runs it.
+class FlushDenormals {
+ public:
+#if HWY_ARCH_X86
+  HWY_INLINE FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
+  HWY_INLINE ~FlushDenormals() { _mm_setcsr(before_); }
+
+ private:
+  unsigned before_;
+#endif
+};
+
+/// Tiles that go through a stage together.
+inline constexpr int kBatch = 4;
+/// Node rows of a tile: 8 x 8, x major.
+inline constexpr int kPlane = 8 * kNodeRowFloats;
+
+/// Quadratic B-spline weights of sixteen particles. Four z weights (the last is 0) lie together, particle l at
+/// wz[l & 3][l >> 2], as a 4 x 4 transpose leaves them.
+struct alignas(64) Weights {
+  float wx[3][16], wy[3][16];
+  float wz[4][4][4];
+  std::int32_t base[16];  ///< first node of the stencil, 64 x + 8 y + z in the tile
+};
+
+/// Momentum and its gradient per particle, in the same transposed order: rows p, A e_x, A e_y, A e_z.
+struct alignas(64) Momentum {
+  float row[4][4][4][4];
+
+  HWY_INLINE const float* of(int r, int lane) const { return row[r][lane & 3][lane >> 2]; }
+};
+
+/// Everything a batch of tiles hands from stage to stage; stays in the first-level cache.
+struct alignas(64) Work {
+  float velocity[kNodeTileFloats];
+  float nodes[kNodeTileFloats];
+  Weights weights[kBatch];
+  Momentum momentum[kBatch];
+  float gathered[kBatch][16][16];  ///< per particle: v, then its x, y, z moments, 4 floats each
+  float offset[kBatch][3][16];     ///< x - centre node of the stencil
+  float v[kBatch][3][16];
+  float C[kBatch][9][16];
+  float stress[kBatch][6][16];
+};
+
+/// Weights of N(x) and the offset from the centre node. The base is clamped to the tile, so that no position,
+/// not even NaN, can write outside it.
+HWY_INLINE void stencil_weights(const Lanes* x, Lanes* offset, Weights& w) {
+  const Lanes half(0.5f);
+  Lanes base[3], n[3][3];
+  for (int a = 0; a < 3; ++a) {
+    base[a] = min(max(floor(x[a] - half), Lanes(-2.0f)), Lanes(3.0f));
+    const Lanes f = x[a] - base[a];
+    const Lanes left = Lanes(1.5f) - f, right = f - half;
+    offset[a] = f - Lanes(1.0f);
+    n[a][0] = half * left * left;
+    n[a][1] = neg_mul_add(offset[a], offset[a], Lanes(0.75f));
+    n[a][2] = half * right * right;
+  }
+  store_int(mul_add(base[0], Lanes(64.0f), mul_add(base[1], Lanes(8.0f), base[2])) +
+                Lanes(2.0f * 64 + 2 * 8 + 2),
+            w.base);
+  for (int i = 0; i < 3; ++i) {
+    store(n[0][i], w.wx[i]);
+    store(n[1][i], w.wy[i]);
+  }
+  Lanes z[4];
+  transpose4(n[2][0], n[2][1], n[2][2], Lanes(0.0f), z);
+  for (int r = 0; r < 4; ++r) store(z[r], &w.wz[r][0][0]);
+}
+
+/// Rows of the 8 x 8 that the stencil with this base covers.
+HWY_INLINE std::uint64_t stencil_rows(std::int32_t base) { return 0x070707ull << (base >> 3); }
+
+/// Gathers sum w v and sum w v (x_i - centre) of one particle: sums over y and x factor out.
+HWY_INLINE Lanes gather_particle(const float* nodes, const Weights& w, int lane, Lanes z_index) {
+  const Lanes wz = spread4(w.wz[lane & 3][lane >> 2]);
+  const Lanes y0(w.wy[0][lane]), y1(w.wy[1][lane]), y2(w.wy[2][lane]);
+  Lanes sum, sum_x, sum_y;
+  {
+    const Lanes p0 = y0 * load_unaligned(nodes);
+    const Lanes p1 = y1 * load_unaligned(nodes + kNodeRowFloats);
+    const Lanes p2 = y2 * load_unaligned(nodes + 2 * kNodeRowFloats);
+    const Lanes x(w.wx[0][lane]);
+    sum = x * (p1 + (p0 + p2));
+    sum_y = x * (p2 - p0);
+  }
+  {
+    const float* b = nodes + kPlane;
+    const Lanes p0 = y0 * load_unaligned(b);
+    const Lanes p1 = y1 * load_unaligned(b + kNodeRowFloats);
+    const Lanes p2 = y2 * load_unaligned(b + 2 * kNodeRowFloats);
+    const Lanes x(w.wx[1][lane]);
+    sum_x = x * (p1 + (p0 + p2));
+    sum_y = mul_add(x, p2 - p0, sum_y);
+  }
+  {
+    const float* b = nodes + 2 * kPlane;
+    const Lanes p0 = y0 * load_unaligned(b);
+    const Lanes p1 = y1 * load_unaligned(b + kNodeRowFloats);
+    const Lanes p2 = y2 * load_unaligned(b + 2 * kNodeRowFloats);
+    const Lanes x(w.wx[2][lane]);
+    const Lanes last = x * (p1 + (p0 + p2));
+    const Lanes middle = sum_x;
+    sum_x = last - sum;
+    sum = (sum + last) + middle;
+    sum_y = mul_add(x, p2 - p0, sum_y);
+  }
+  sum = sum * wz;
+  return sum_groups(sum, sum_x * wz, sum_y * wz, sum * z_index);
+}
+
+/// Gathers a whole tile into `out`, one particle a row; pad lanes follow the last particle.
+HWY_INLINE void gather_tile(const float* nodes, const Weights& w, int count, float out[16][16]) {
+  const Lanes z_index = group_index() - Lanes(1.0f);
+  for (int l = 0; l < count; ++l)
+    store(gather_particle(nodes + std::size_t(w.base[l]) * 4, w, l, z_index), out[l]);
+  for (int l = count; l < 16; ++l) store(load(out[count - 1]), out[l]);
+}
+
+/// From one particle a row to one quantity a vector: v, and G[axis] = sum w v (x_i - centre)_axis.
+HWY_INLINE void transpose_gathered(const float rows[16][16], Lanes* v, Lanes G[3][4]) {
+  for (int q = 0; q < 4; ++q) {
+    Lanes part[4];
+    for (int r = 0; r < 4; ++r)
+      part[r] = concat4(&rows[r][4 * q], &rows[4 + r][4 * q], &rows[8 + r][4 * q], &rows[12 + r][4 * q]);
+    transpose4(part[0], part[1], part[2], part[3], q == 0 ? v : G[q - 1]);
+  }
+}
+
+/// Momentum about the centre node, p = m v - A offset, and A, ready for scatter_batch.
+HWY_INLINE void pack_momentum(Lanes mass, const Lanes* v, const Lanes* A, const Lanes* offset, Momentum& out) {
+  Lanes p[3], t[4];
+  for (int a = 0; a < 3; ++a)
+    p[a] = mul_sub(mass, v[a],
+                   mul_add(A[3 * a], offset[0],
+                           mul_add(A[3 * a + 1], offset[1], A[3 * a + 2] * offset[2])));
+  transpose4(p[0], p[1], p[2], mass, t);
+  for (int r = 0; r < 4; ++r) store(t[r], &out.row[0][r][0][0]);
+  for (int q = 0; q < 3; ++q) {
+    transpose4(A[q], A[3 + q], A[6 + q], Lanes(0.0f), t);
+    for (int r = 0; r < 4; ++r) store(t[r], &out.row[1 + q][r][0][0]);
+  }
+}
+
+/// Nine row accumulators of the stencil that consecutive particles share.
+struct StencilSums {
+  Lanes row[3][3];
+
+  HWY_INLINE void clear() {
+    for (auto& plane : row)
+      for (Lanes& r : plane) r = Lanes(0.0f);
+  }
+  /// Adds the sums to the tile; rows touched for the first time are cleared.
+  HWY_INLINE void flush(float* nodes, std::int32_t base, std::uint64_t& touched) const {
+    std::uint64_t fresh = stencil_rows(base) & ~touched;
+    touched |= fresh;
+    for (; fresh; fresh &= fresh - 1) {
+      float* r = nodes + __builtin_ctzll(fresh) * kNodeRowFloats;
+      store(Lanes(0.0f), r);
+      store(Lanes(0.0f), r + 16);
+    }
+    float* b = nodes + std::size_t(base) * 4;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        float* r = b + i * kPlane + j * kNodeRowFloats;
+        store_unaligned(load_unaligned(r) + row[i][j], r);
+      }
+  }
+};
+
+/// Scatters w (p + A (x_i - centre)) and w m of a batch of tiles holding `count` particles.
+HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, int count, float* nodes,
+                              std::uint64_t& touched) {
+  const Lanes z_index = group_index() - Lanes(1.0f);
+  StencilSums sums;
+  sums.clear();
+  std::int32_t base = weights[0].base[0];
+  for (int first = 0; first < count; first += 16) {
+    const Weights& w = weights[first / 16];
+    const Momentum& m = momentum[first / 16];
+    const int lanes = count - first < 16 ? count - first : 16;
+    for (int l = 0; l < lanes; ++l) {
+      if (w.base[l] != base) {
+        sums.flush(nodes, base, touched);
+        base = w.base[l];
+        sums.clear();
+      }
+      const Lanes wz = spread4(w.wz[l & 3][l >> 2]);
+      const Lanes X = repeat4(m.of(1, l)) * wz, Y = repeat4(m.of(2, l)) * wz;
+      Lanes plane = mul_sub(mul_add(repeat4(m.of(3, l)), z_index, repeat4(m.of(0, l))), wz, X);
+      const Lanes y0(w.wy[0][l]), y1(w.wy[1][l]), y2(w.wy[2][l]);
+      for (int i = 0; i < 3; ++i) {
+        const Lanes wx(w.wx[i][l]);
+        const Lanes p = wx * plane, r = wx * Y;
+        sums.row[i][0] = mul_add(y0, p - r, sums.row[i][0]);
+        sums.row[i][1] = mul_add(y1, p, sums.row[i][1]);
+        sums.row[i][2] = mul_add(y2, p + r, sums.row[i][2]);
+        plane += X;
+      }
+    }
+  }
+  sums.flush(nodes, base, touched);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rend
+#endif
+HWY_AFTER_NAMESPACE();
+#endif  // include toggle

@@ -1,5 +1,6 @@
-// Sixteen float lanes on Google Highway: one 512-bit, two 256-bit or four 128-bit vectors, the same code for all.
-// Included once per instruction set, after hwy/foreach_target.h; no include guard but Highway's toggle.
+// Sixteen float lanes on Google Highway: one 512-bit, two 256-bit or four 128-bit vectors, the same
+// code for all. Included once per instruction set, after hwy/foreach_target.h; no include guard but
+// Highway's toggle.
 #if defined(REND_CORE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef REND_CORE_LANES_INL_H_
 #undef REND_CORE_LANES_INL_H_
@@ -42,13 +43,17 @@ constexpr bool fits(size_t n) { return n * sizeof(float) <= HWY_MAX_BYTES; }
 
 template <size_t N>
 HWY_INLINE WideVec<N> wide_load(const float* p) {
-  if constexpr (fits(N)) return hn::Load(typename Wide<N>::Tag(), p);
-  else return {wide_load<N / 2>(p), wide_load<N / 2>(p + N / 2)};
+  if constexpr (fits(N))
+    return hn::Load(typename Wide<N>::Tag(), p);
+  else
+    return {wide_load<N / 2>(p), wide_load<N / 2>(p + N / 2)};
 }
 template <size_t N>
 HWY_INLINE WideVec<N> wide_load_unaligned(const float* p) {
-  if constexpr (fits(N)) return hn::LoadU(typename Wide<N>::Tag(), p);
-  else return {wide_load_unaligned<N / 2>(p), wide_load_unaligned<N / 2>(p + N / 2)};
+  if constexpr (fits(N))
+    return hn::LoadU(typename Wide<N>::Tag(), p);
+  else
+    return {wide_load_unaligned<N / 2>(p), wide_load_unaligned<N / 2>(p + N / 2)};
 }
 template <size_t N>
 HWY_INLINE WideVec<N> wide_set(float v) {
@@ -88,10 +93,10 @@ HWY_INLINE void wide_store_unaligned(WideVec<N> v, float* p) {
 }
 
 // Element-wise operations: the leaf overload is Highway's, the Pair overload recurses.
-#define REND_LANES_OPERATOR(op)                                   \
-  template <class V>                                              \
+#define REND_LANES_OPERATOR(op)                                      \
+  template <class V>                                                 \
   HWY_INLINE Pair<V> operator op(const Pair<V> x, const Pair<V> y) { \
-    return {x.a op y.a, x.b op y.b};                              \
+    return {x.a op y.a, x.b op y.b};                                 \
   }
 REND_LANES_OPERATOR(+)
 REND_LANES_OPERATOR(-)
@@ -99,33 +104,33 @@ REND_LANES_OPERATOR(*)
 REND_LANES_OPERATOR(/)
 #undef REND_LANES_OPERATOR
 
-#define REND_LANES_1(name, Op)                                            \
-  template <class V>                                                      \
-  HWY_INLINE V name(V x) {                                                \
-    return hn::Op(x);                                                     \
-  }                                                                       \
-  template <class V>                                                      \
-  HWY_INLINE Pair<V> name(Pair<V> x) {                                    \
-    return {name(x.a), name(x.b)};                                        \
+#define REND_LANES_1(name, Op)         \
+  template <class V>                   \
+  HWY_INLINE V name(V x) {             \
+    return hn::Op(x);                  \
+  }                                    \
+  template <class V>                   \
+  HWY_INLINE Pair<V> name(Pair<V> x) { \
+    return {name(x.a), name(x.b)};     \
   }
-#define REND_LANES_2(name, Op)                                            \
-  template <class V>                                                      \
-  HWY_INLINE auto name(V x, V y) {                                        \
-    return hn::Op(x, y);                                                  \
-  }                                                                       \
-  template <class V>                                                      \
-  HWY_INLINE auto name(Pair<V> x, Pair<V> y) {                            \
-    const auto a = name(x.a, y.a), b = name(x.b, y.b);                    \
-    return Pair<std::remove_const_t<decltype(a)>>{a, b};                  \
+#define REND_LANES_2(name, Op)                           \
+  template <class V>                                     \
+  HWY_INLINE auto name(V x, V y) {                       \
+    return hn::Op(x, y);                                 \
+  }                                                      \
+  template <class V>                                     \
+  HWY_INLINE auto name(Pair<V> x, Pair<V> y) {           \
+    const auto a = name(x.a, y.a), b = name(x.b, y.b);   \
+    return Pair<std::remove_const_t<decltype(a)>>{a, b}; \
   }
-#define REND_LANES_3(name, Op)                                            \
-  template <class V>                                                      \
-  HWY_INLINE V name(V x, V y, V z) {                                      \
-    return hn::Op(x, y, z);                                               \
-  }                                                                       \
-  template <class V>                                                      \
-  HWY_INLINE Pair<V> name(Pair<V> x, Pair<V> y, Pair<V> z) {              \
-    return {name(x.a, y.a, z.a), name(x.b, y.b, z.b)};                    \
+#define REND_LANES_3(name, Op)                               \
+  template <class V>                                         \
+  HWY_INLINE V name(V x, V y, V z) {                         \
+    return hn::Op(x, y, z);                                  \
+  }                                                          \
+  template <class V>                                         \
+  HWY_INLINE Pair<V> name(Pair<V> x, Pair<V> y, Pair<V> z) { \
+    return {name(x.a, y.a, z.a), name(x.b, y.b, z.b)};       \
   }
 REND_LANES_1(wide_sqrt, Sqrt)
 REND_LANES_1(wide_round, Round)
@@ -198,7 +203,8 @@ HWY_INLINE void wide_split_exponent(V x, V& mantissa, V& exponent) {
   const hn::DFromV<V> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto bits = hn::BitCast(di, x);
-  const auto e = hn::ShiftRight<23>(bits - hn::Set(di, 0x3f3504f3));  // mantissa in [sqrt(1/2), sqrt(2))
+  const auto e =
+      hn::ShiftRight<23>(bits - hn::Set(di, 0x3f3504f3));  // mantissa in [sqrt(1/2), sqrt(2))
   exponent = hn::ConvertTo(d, e);
   mantissa = hn::BitCast(d, bits - hn::ShiftLeft<23>(e));
 }
@@ -340,8 +346,8 @@ HWY_INLINE void transpose4(Lanes a, Lanes b, Lanes c, Lanes d, Lanes* out) {
 alignas(64) static constexpr float kGroupIndex[16] = {0, 0, 0, 0, 1, 1, 1, 1,
                                                       2, 2, 2, 2, 3, 3, 3, 3};
 alignas(64) static constexpr uint8_t kSpreadBytes[64] = {
-    0, 1, 2,  3,  0, 1, 2,  3,  0, 1, 2,  3,  0, 1, 2,  3,  4,  5,  6,  7,  4,  5,
-    6, 7, 4,  5,  6, 7, 4,  5,  6, 7, 8,  9,  10, 11, 8,  9,  10, 11, 8,  9,  10, 11,
+    0, 1, 2,  3,  0,  1,  2,  3,  0,  1,  2,  3,  0,  1,  2,  3,  4,  5,  6,  7, 4,  5,
+    6, 7, 4,  5,  6,  7,  4,  5,  6,  7,  8,  9,  10, 11, 8,  9,  10, 11, 8,  9, 10, 11,
     8, 9, 10, 11, 12, 13, 14, 15, 12, 13, 14, 15, 12, 13, 14, 15, 12, 13, 14, 15};
 alignas(64) static constexpr uint32_t kLastOfFour[16] = {0, 0, 0, ~0u, 0, 0, 0, ~0u,
                                                          0, 0, 0, ~0u, 0, 0, 0, ~0u};
@@ -409,8 +415,8 @@ HWY_INLINE Lanes replace_last_of_four(Lanes x, Lanes y) {
 HWY_INLINE Lanes spread4(const float* p) {
   const hn::FixedTag<float, 4> d;
   const auto t = hn::Load(d, p);
-  return Lanes({{hn::Broadcast<0>(t), hn::Broadcast<1>(t)},
-                {hn::Broadcast<2>(t), hn::Broadcast<3>(t)}});
+  return Lanes(
+      {{hn::Broadcast<0>(t), hn::Broadcast<1>(t)}, {hn::Broadcast<2>(t), hn::Broadcast<3>(t)}});
 }
 HWY_INLINE WideVec<4> sum_quarters(Lanes r) { return (r.v.a.a + r.v.b.a) + (r.v.a.b + r.v.b.b); }
 HWY_INLINE Lanes sum_groups(Lanes r0, Lanes r1, Lanes r2, Lanes r3) {
@@ -454,8 +460,8 @@ HWY_INLINE Lanes expm1(Lanes x) {
   Lanes r = neg_mul_add(n, Lanes(0.693359375f), x);
   r = neg_mul_add(n, Lanes(-2.12194440e-4f), r);
   Lanes p = Lanes(1.9875691500e-4f);
-  for (const float c : {1.3981999507e-3f, 8.3334519073e-3f, 4.1665795894e-2f, 1.6666665459e-1f,
-                        5.0000001201e-1f})
+  for (const float c :
+       {1.3981999507e-3f, 8.3334519073e-3f, 4.1665795894e-2f, 1.6666665459e-1f, 5.0000001201e-1f})
     p = mul_add(p, r, Lanes(c));
   const Lanes e = mul_add(p, r * r, r);
   const Lanes s = Lanes(wide_power_of_two(n.v));

@@ -8,7 +8,8 @@
 
 namespace rend {
 
-/// Hash map from block coordinates, each within +-2^20, to an index; open addressing, never shrinks.
+/// Hash map from block coordinates, each within +-2^20, to an index; open addressing, never
+/// shrinks.
 class BlockIndex {
  public:
   /// One number per block; neighbours in space get numbers that are near each other (Morton order).

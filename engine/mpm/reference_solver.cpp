@@ -4,7 +4,8 @@
 #include "engine/core/error.h"
 #include "engine/core/parallel.h"
 #include "engine/core/small_matrix.h"
-#include "engine/mpm/state_file.h"
+#include "engine/mpm/node_loads.h"
+#include "engine/mpm/scene_hash.h"
 
 #include <fmt/format.h>
 
@@ -21,18 +22,6 @@ namespace {
 
 constexpr Index kGrain = 1024;
 constexpr Real kMostSteps = 1e7;  // in one advance; more means that the state has blown up
-
-std::uint64_t hash_scene(const SceneDesc& scene, const Model& model) {
-  const Real numbers[] = {scene.grid.dx, static_cast<Real>(scene.solver.transfer),
-                          static_cast<Real>(scene.solver.kernel),
-                          static_cast<Real>(scene.solver.force_form),
-                          static_cast<Real>(scene.solver.deformation_update)};
-  std::uint64_t hash = hash_bytes(1, numbers, sizeof(numbers));
-  hash = hash_values(hash, model.X);
-  hash = hash_values(hash, model.volume);
-  hash = hash_values(hash, model.strength);
-  return hash_values(hash, model.material);
-}
 
 }  // namespace
 
@@ -124,31 +113,23 @@ void ReferenceSolver::particles_to_grid() {
 
 void ReferenceSolver::update_grid(Real dt) {
   const Index blocks = static_cast<Index>(grid_.grid_blocks().size());
-  const auto falloff = [&](const Vec3& x) {
-    const Real s = 1 - (x - pull_.at).squaredNorm() / (pull_.radius * pull_.radius);
-    return s > 0 ? s * s : 0.0;
-  };
-  Real pulled_mass = 0;
-  if (pull_.radius > 0)
-    pulled_mass = ordered_sum(blocks, 8, 0.0, [&](Index b) {
+  NodeLoads loads(scene_.colliders, pull_, time_ + dt);
+  if (loads.pulls())
+    loads.set_pulled_mass(ordered_sum(blocks, 8, 0.0, [&](Index b) {
       Real sum = 0;
       for (int n = 0; n < BlockGrid::kNodes; ++n)
         if (grid_.nodes(b)[n].mass > 0)
-          sum += grid_.nodes(b)[n].mass * falloff(grid_.position(b, n, dx_));
+          sum += grid_.nodes(b)[n].mass * loads.falloff(grid_.position(b, n, dx_));
       return sum;
-    });
-  const std::vector<PosedCollider> colliders = pose_colliders(scene_.colliders, time_ + dt);
+    }));
   const Real block_radius = 0.5 * std::sqrt(3.0) * (BlockGrid::kEdge - 1) * dx_;
 
   external_work_ += ordered_sum(blocks, 8, 0.0, [&](Index b) {
     const GridNode* node = grid_.nodes(b);
     NodeVelocity* out = grid_.velocities(b);
-    std::vector<const PosedCollider*> near;
     const Vec3 centre =
         0.5 * (grid_.position(b, 0, dx_) + grid_.position(b, BlockGrid::kNodes - 1, dx_));
-    for (const PosedCollider& c : colliders)
-      if (distance_to(c.desc->shape, c.pose.to_local(centre)).value <= block_radius)
-        near.push_back(&c);
+    const NodeLoads::Near near = loads.near(centre, block_radius);
 
     Real work = 0;
     for (int n = 0; n < BlockGrid::kNodes; ++n) {
@@ -158,28 +139,12 @@ void ReferenceSolver::update_grid(Real dt) {
       }
       const Vec3 v_old = node[n].momentum / node[n].mass;
       Vec3 v = v_old + dt * (node[n].force / node[n].mass + gravity_);
-      if (pulled_mass > 0) {
-        const Vec3 kick = dt / pulled_mass * falloff(grid_.position(b, n, dx_)) * pull_.force;
-        work += node[n].mass * kick.dot(v + 0.5 * kick);
-        v += kick;
-      }
-      for (const PosedCollider* c : near) {
-        const Vec3 x = grid_.position(b, n, dx_);
-        const Distance distance = distance_to(c->desc->shape, c->pose.to_local(x));
-        if (distance.value > 0) continue;
-        const Vec3 wall = c->pose.velocity_at(x);
-        const Vec3 after = wall + relative_velocity_after_contact(
-                                      *c->desc, v - wall, c->pose.rotation * distance.normal);
-        work += node[n].mass * (after - v).dot(wall);
-        v = after;
-      }
+      if (!near.none()) v = loads.apply(near, grid_.position(b, n, dx_), node[n].mass, dt, v, work);
       out[n] = {v, v - v_old};
     }
     return work;
   });
-  motion_.collider_speed = 0;
-  for (const PosedCollider& c : colliders)
-    motion_.collider_speed = std::max(motion_.collider_speed, fastest_point(c));
+  motion_.collider_speed = loads.collider_speed();
 }
 
 ReferenceSolver::StepSums ReferenceSolver::grid_to_particles(Real dt) {
@@ -236,7 +201,7 @@ void ReferenceSolver::watch(Index p, const Vec3& displacement, Real dt, StepSums
                       std::isfinite(particles_.F[i].sum()) &&
                       std::isfinite(particles_.tau[i].sum());
   if (!finite)
-    sums.fault = {Status::not_finite, p, 0};
+    sums.fault = {Status::not_finite, p};
   else if (moved > dx_)
     sums.fault = {Status::too_fast, p, displacement.norm() / dt};
   else if (farthest >= dx_ * (BlockGrid::kLimit - 8))
@@ -258,14 +223,14 @@ FrameReport ReferenceSolver::advance(Real duration, const BetweenSteps& between)
   while (fault.status == Status::ok && time_ < end) {
     const Real dt = choose_time_step(scene_.solver, dx_, motion_, end - time_);
     if (!(duration / dt < kMostSteps)) {
-      fault = {Status::too_fast, -1, motion_.speed};
+      fault = {Status::too_fast, -1, motion_.speed, true};
       break;
     }
     StepSums sums;
     try {
       sums = step(dt);
     } catch (const std::bad_alloc&) {
-      fault = {Status::out_of_memory, -1, 0};
+      fault = {Status::out_of_memory};
       break;
     }
     fault = sums.fault;
@@ -291,36 +256,7 @@ FrameReport ReferenceSolver::advance(Real duration, const BetweenSteps& between)
     restore();
   else if (complete)
     ++frame_;
-  switch (fault.status) {
-    case Status::ok:
-      break;
-    case Status::not_finite:
-      report.reason =
-          fmt::format("Particle {} is not finite after {:.6g} s; lower cfl or the loads.",
-                      fault.particle, failed_at);
-      break;
-    case Status::too_fast:
-      report.reason = fault.particle < 0 ? fmt::format(
-                                               "The step has fallen below 1e-7 of a frame at "
-                                               "{:.6g} s, with speeds up to {:.3g} m/s; lower "
-                                               "the loads or the stiffness.",
-                                               failed_at, fault.amount)
-                                         : fmt::format(
-                                               "Particle {} crossed more than a cell in one step "
-                                               "at {:.6g} s, at {:.3g} m/s; lower cfl or "
-                                               "time_step.",
-                                               fault.particle, failed_at, fault.amount);
-      break;
-    case Status::left_domain:
-      report.reason = fmt::format(
-          "Particle {} is {:.3g} m from the origin at {:.6g} s, beyond 2^20 cells; add a "
-          "collider or use larger cells.",
-          fault.particle, fault.amount, failed_at);
-      break;
-    case Status::out_of_memory:
-      report.reason = "The grid does not fit in memory; use larger cells or fewer particles.";
-      break;
-  }
+  report.reason = rend::describe(fault, failed_at);
   fill_report(report);
   report.sim_seconds =
       std::chrono::duration<Real>(std::chrono::steady_clock::now() - begin).count();
@@ -364,7 +300,7 @@ Fault ReferenceSolver::first_bad_particle() const {
     const bool finite = particles_.x[i].allFinite() && particles_.v[i].allFinite() &&
                         particles_.F[i].allFinite() &&
                         (!transfer_.affine || particles_.C[i].allFinite());
-    if (!finite) return {Status::not_finite, p, 0};
+    if (!finite) return {Status::not_finite, p};
   }
   return {};
 }

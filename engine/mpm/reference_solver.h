@@ -4,7 +4,7 @@
 
 #include "engine/material/material_point.h"
 #include "engine/mpm/block_grid.h"
-#include "engine/mpm/collider_contact.h"
+#include "engine/mpm/fault.h"
 #include "engine/mpm/grid_transfer.h"
 #include "engine/mpm/particles.h"
 #include "engine/mpm/solver.h"
@@ -23,13 +23,6 @@ struct SolverMaterial {
   LawConstants<Real> constants;
   StressUpdate respond;
   Real tau_c0;  ///< of a particle with strength 1 [Pa]
-};
-
-/// What went wrong with which particle.
-struct Fault {
-  Status status = Status::ok;
-  Index particle = -1;
-  Real amount = 0;  ///< speed [m/s] or coordinate [m]
 };
 
 class ReferenceSolver : public Solver {

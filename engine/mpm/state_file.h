@@ -54,6 +54,15 @@ class StateReader {
     values.resize(count);
     take(values.data(), count * sizeof(T));
   }
+  /// An array of any length.
+  template <class T>
+  void get(std::vector<T>& values) {
+    std::uint64_t size = 0;
+    get(size);
+    if (size > (bytes_.size() - at_) / sizeof(T)) fail("it ends too early");
+    values.resize(size);
+    take(values.data(), size * sizeof(T));
+  }
   /// Call after the last get(); what is left over is an error.
   void finish() const;
 

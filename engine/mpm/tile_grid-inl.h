@@ -13,11 +13,13 @@ HWY_BEFORE_NAMESPACE();
 namespace rend {
 namespace HWY_NAMESPACE {
 
-/// Neighbor of a block, -1, 0 or 1 along one axis, that tile node t = 0..7 lies in, and the node's place there.
+/// Neighbor of a block, -1, 0 or 1 along one axis, that tile node t = 0..7 lies in, and the node's
+/// place there.
 constexpr int neighbor_of(int t) { return (t + 2) / 4 - 1; }
 constexpr int place_in_neighbor(int t) { return (t + 2) % 4; }
 
-/// Rows of a particle block's 8 x 8 that lie in its neighbor with x and y offsets k / 3 - 1 and k % 3 - 1.
+/// Rows of a particle block's 8 x 8 that lie in its neighbor with x and y offsets k / 3 - 1 and k %
+/// 3 - 1.
 struct NeighborRows {
   std::uint64_t of[9] = {};
   constexpr NeighborRows() {
@@ -28,7 +30,8 @@ struct NeighborRows {
 };
 static constexpr NeighborRows kNeighborRows;
 
-/// Adds the part of a tile row that lies in the neighbor with z offset oz to that neighbor's row of four nodes.
+/// Adds the part of a tile row that lies in the neighbor with z offset oz to that neighbor's row of
+/// four nodes.
 HWY_INLINE void add_row(int oz, const float* row, float* to) {
   if (oz == 0) {
     store(load(to) + load_unaligned(row + 8), to);
@@ -39,7 +42,8 @@ HWY_INLINE void add_row(int oz, const float* row, float* to) {
   }
 }
 
-/// v = p / m + dt g on every touched row; the sums run over particle blocks in the order of `sources`.
+/// v = p / m + dt g on every touched row; the sums run over particle blocks in the order of
+/// `sources`.
 HWY_NOINLINE void grid_block(GridTask& task) {
   const FlushDenormals flush;
   alignas(64) float sum[kGridBlockFloats];

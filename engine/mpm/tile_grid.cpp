@@ -8,8 +8,11 @@ namespace rend {
 
 namespace {
 
-// Neighbors along one axis that particles in these halves, or a cell beyond, touch: bit o + 1 for offset o.
-constexpr int neighbors_of_halves(int halves) { return halves == 1 ? 0b011 : halves == 2 ? 0b110 : 0b111; }
+// Neighbors along one axis that particles in these halves, or a cell beyond, touch: bit o + 1 for
+// offset o.
+constexpr int neighbors_of_halves(int halves) {
+  return halves == 1 ? 0b011 : halves == 2 ? 0b110 : 0b111;
+}
 // Nodes of the tile (0..7) that they touch.
 constexpr int nodes_of_halves(int halves) { return halves == 1 ? 0x3f : halves == 2 ? 0xfc : 0xff; }
 

@@ -10,14 +10,15 @@
 
 namespace rend {
 
-/// Velocities on 4^3 blocks of nodes and the node rows that particle blocks leave for them. Every grid block sums
-/// the rows of its up to 27 particle blocks in a fixed order.
+/// Velocities on 4^3 blocks of nodes and the node rows that particle blocks leave for them. Every
+/// grid block sums the rows of its up to 27 particle blocks in a fixed order.
 class TileGrid {
  public:
   /// Blocks and row memory for the bins as they are; velocities become 0.
   void rebuild(const std::vector<TileBlock>& blocks);
 
-  /// Looks up where freshly re-binned particle blocks read the velocities of the blocks that there are.
+  /// Looks up where freshly re-binned particle blocks read the velocities of the blocks that there
+  /// are.
   void relate(const std::vector<TileBlock>& blocks);
 
   Index count() const { return static_cast<Index>(coords_.size()); }

@@ -20,7 +20,9 @@ const TileKernels* kernels_of_target() {
   return nullptr;
 #else
   static constexpr TileKernels kernels = {
-      HWY_MAX_BYTES >= 64 ? "avx512" : HWY_MAX_BYTES == 32 ? "avx2" : "sse4",
+      HWY_MAX_BYTES >= 64   ? "avx512"
+      : HWY_MAX_BYTES == 32 ? "avx2"
+                            : "sse4",
       {particle_block<Pass::scatter>, particle_block<Pass::fused>, particle_block<Pass::gather>},
       grid_block,
       measure_tiles};

@@ -8,23 +8,26 @@
 
 namespace rend {
 
-// Lengths inside the tile solver are in cells, volumes in cells^3 and densities relative to a reference density;
-// times and stresses are SI. Cells are centred on nodes; a block is 4^3 of them, [-0.5, 3.5)^3 around its origin.
+// Lengths inside the tile solver are in cells, volumes in cells^3 and densities relative to a
+// reference density; times and stresses are SI. Cells are centred on nodes; a block is 4^3 of them,
+// [-0.5, 3.5)^3 around its origin.
 inline constexpr int kLanes = 16;
-inline constexpr int kNodeRowFloats = 8 * 4;                ///< 8 nodes along z, 3 momenta and the mass each
-inline constexpr int kNodeTileFloats = 64 * kNodeRowFloats + kLanes;  ///< nodes -2..5 of a block, and a pad
-inline constexpr int kGridBlockFloats = 64 * 4;             ///< 4^3 nodes, velocity and mass each
-inline constexpr int kMotionFloats = 12 * kLanes;           ///< v and C of sixteen particles
+inline constexpr int kNodeRowFloats = 8 * 4;  ///< 8 nodes along z, 3 momenta and the mass each
+inline constexpr int kNodeTileFloats =
+    64 * kNodeRowFloats + kLanes;                  ///< nodes -2..5 of a block, and a pad
+inline constexpr int kGridBlockFloats = 64 * 4;    ///< 4^3 nodes, velocity and mass each
+inline constexpr int kMotionFloats = 12 * kLanes;  ///< v and C of sixteen particles
 
-/// Where the attributes of sixteen particles lie in a tile, in groups of sixteen floats. The first ten are
-/// always there; the rest only when the scene needs them, and -1 otherwise.
+/// Where the attributes of sixteen particles lie in a tile, in groups of sixteen floats. The first
+/// ten are always there; the rest only when the scene needs them, and -1 otherwise.
 struct TileLayout {
   static constexpr int kPosition = 0;  ///< x, y, z relative to the block
   static constexpr int kStrain = 3;    ///< b^e - I: xx yy zz xy yz zx
-  static constexpr int kVolume = 9;    ///< rest volume, negative once the particle has yielded, 0 in pad lanes
-  int tau_c = -1;                      ///< state of the material law, see material_response
-  int tau_c0 = -1;                     ///< initial threshold, when it varies in space and damage needs it
-  int velocity = -1;                   ///< three groups, FLIP only
+  static constexpr int kVolume =
+      9;              ///< rest volume, negative once the particle has yielded, 0 in pad lanes
+  int tau_c = -1;     ///< state of the material law, see material_response
+  int tau_c0 = -1;    ///< initial threshold, when it varies in space and damage needs it
+  int velocity = -1;  ///< three groups, FLIP only
   int groups = 10;
 
   int floats() const { return groups * kLanes; }
@@ -58,10 +61,10 @@ struct ParticleRun {
 
 /// What a run reports after a pass.
 struct RunExtremes {
-  float speed2 = 0;          ///< max |v|^2 [cells^2/s^2]
-  float gradient2 = 0;       ///< max |C|_F^2 [1/s^2]
-  float least_stress = 0;    ///< min principal Kirchhoff stress, at most 0 [Pa]
-  float dissipation = 0;     ///< let go in this step [Pa cells^3]
+  float speed2 = 0;        ///< max |v|^2 [cells^2/s^2]
+  float gradient2 = 0;     ///< max |C|_F^2 [1/s^2]
+  float least_stress = 0;  ///< min principal Kirchhoff stress, at most 0 [Pa]
+  float dissipation = 0;   ///< let go in this step [Pa cells^3]
   bool finite = true;
 };
 
@@ -70,13 +73,14 @@ struct BlockTask {
   const ParticleRun* runs = nullptr;
   RunExtremes* extremes = nullptr;  ///< one per run
   std::int32_t run_count = 0;
-  const float* grid = nullptr;              ///< velocities, kGridBlockFloats per grid block
-  const std::int32_t* neighbors = nullptr;  ///< 27 grid blocks, index 9 x + 3 y + z of offsets -1, 0, 1
-  float low[3], high[3];                    ///< bounds of the particles at the last re-bin
-  float* rows = nullptr;                    ///< out: touched node rows, one after the other
-  std::uint64_t touched = 0;                ///< out: bit 8 x + y of every touched row
-  std::uint64_t allowed = ~0ull;            ///< rows that `rows` has room for
-  float excess = 0;                         ///< out: farthest that a particle is beyond low or high
+  const float* grid = nullptr;  ///< velocities, kGridBlockFloats per grid block
+  const std::int32_t* neighbors =
+      nullptr;                    ///< 27 grid blocks, index 9 x + 3 y + z of offsets -1, 0, 1
+  float low[3], high[3];          ///< bounds of the particles at the last re-bin
+  float* rows = nullptr;          ///< out: touched node rows, one after the other
+  std::uint64_t touched = 0;      ///< out: bit 8 x + y of every touched row
+  std::uint64_t allowed = ~0ull;  ///< rows that `rows` has room for
+  float excess = 0;               ///< out: farthest that a particle is beyond low or high
 };
 
 /// A block of particles that a grid block sums up.
@@ -102,7 +106,8 @@ struct GridTask {
   float max_speed = 0;                    ///< out: largest velocity component [cells/s]
 };
 
-/// The three passes over particles: scatter stored motion; gather, respond and scatter; gather, respond and store.
+/// The three passes over particles: scatter stored motion; gather, respond and scatter; gather,
+/// respond and store.
 enum class Pass { scatter, fused, gather };
 
 /// The kernels of one instruction set.
@@ -111,12 +116,13 @@ struct TileKernels {
   void (*particles[3])(const StepConstants&, BlockTask&);
   void (*grid)(GridTask&);
   /// Elastic energy density and largest principal stress [Pa] of `tiles` tiles of one material.
-  void (*measure)(const TileLayout&, const MaterialConstants&, const float* tile, int tiles, float* energy,
-                  float* stress);
+  void (*measure)(const TileLayout&, const MaterialConstants&, const float* tile, int tiles,
+                  float* energy, float* stress);
 };
 
-/// Kernels of the best instruction set of this CPU, or of the one that the environment variable REND_SIMD names:
-/// "avx512", "avx2" or "sse4". nullptr when there is none, or for any other name ("none"): the reference solver runs.
+/// Kernels of the best instruction set of this CPU, or of the one that the environment variable
+/// REND_SIMD names: "avx512", "avx2" or "sse4". nullptr when there is none, or for any other name
+/// ("none"): the reference solver runs.
 const TileKernels* tile_kernels();
 
 /// Kernels of every instruction set that this CPU can run, best first.

@@ -1,4 +1,5 @@
-// Stress and return mapping of sixteen particles from b^e - I, without eigenvectors and without branches.
+// Stress and return mapping of sixteen particles from b^e - I, without eigenvectors and without
+// branches.
 #if defined(REND_MPM_TILE_MATERIAL_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef REND_MPM_TILE_MATERIAL_INL_H_
 #undef REND_MPM_TILE_MATERIAL_INL_H_
@@ -14,25 +15,27 @@ HWY_BEFORE_NAMESPACE();
 namespace rend {
 namespace HWY_NAMESPACE {
 
-/// Smallest eigenvalue of b^e - I that the laws see: kSmallestStretch of material_point.h, squared, minus 1.
+/// Smallest eigenvalue of b^e - I that the laws see: kSmallestStretch of material_point.h, squared,
+/// minus 1.
 inline constexpr float kSmallestStrain = 0.05f * 0.05f - 1;
 
-/// sqrt(2 / 3) cos(acos(2 y^2 - 1) / 3) fitted in y on [0, 1]; gives the outer eigenvalues of a deviator.
+/// sqrt(2 / 3) cos(acos(2 y^2 - 1) / 3) fitted in y on [0, 1]; gives the outer eigenvalues of a
+/// deviator.
 HWY_INLINE Lanes outer_eigenvalue(Lanes y) {
   Lanes p(0.00112763624f);
-  for (const float c : {-0.00608934568f, 0.0160472804f, -0.0302353976f, 0.0528414091f, -0.111038511f,
-                        0.577346917f, 0.500000026f})
+  for (const float c : {-0.00608934568f, 0.0160472804f, -0.0302353976f, 0.0528414091f,
+                        -0.111038511f, 0.577346917f, 0.500000026f})
     p = mul_add(p, y, Lanes(c));
   return p;
 }
 
-/// Spectrum of e = b^e - I = mean 1 + B with B the deviator. A function f of e is rebuilt by Newton interpolation
-/// in the eigenvalues, f2 1 + f12 (B - b2) + f123 (B - b2)(B - b1), which needs no eigenvectors and is exact to
-/// second order where eigenvalues coincide.
+/// Spectrum of e = b^e - I = mean 1 + B with B the deviator. A function f of e is rebuilt by Newton
+/// interpolation in the eigenvalues, f2 1 + f12 (B - b2) + f123 (B - b2)(B - b1), which needs no
+/// eigenvectors and is exact to second order where eigenvalues coincide.
 struct Spectrum {
-  Lanes B[6];       ///< xx yy zz xy yz zx
-  Lanes B2[6];      ///< B B
-  Lanes b1, b2, b3; ///< eigenvalues of B, b1 >= b2 >= b3
+  Lanes B[6];                 ///< xx yy zz xy yz zx
+  Lanes B2[6];                ///< B B
+  Lanes b1, b2, b3;           ///< eigenvalues of B, b1 >= b2 >= b3
   Lanes inv12, inv23, inv13;  ///< 1 / (b1 - b2), 1 / (b2 - b3), 1 / (b1 - b3)
   Triple<Lanes> eps;          ///< Hencky strain, in the order of b
   LaneMask clamped;           ///< an eigenvalue was raised to kSmallestStrain
@@ -50,8 +53,8 @@ struct Spectrum {
     B2[4] = mul_add(d, h, mul_add(b, g, g * c));
     B2[5] = mul_add(h, a, mul_add(g, d, c * h));
     const Lanes p = sqrt((B2[0] + B2[1] + B2[2]) * Lanes(1.0f / 6));
-    const Lanes det =
-        mul_add(a, mul_sub(b, c, g * g), mul_add(h, mul_sub(d, g, b * h), d * mul_sub(g, h, d * c)));
+    const Lanes det = mul_add(a, mul_sub(b, c, g * g),
+                              mul_add(h, mul_sub(d, g, b * h), d * mul_sub(g, h, d * c)));
     const Lanes ip = one / max(p, Lanes(1e-12f));
     const Lanes r = min(max(det * half * ip * ip * ip, Lanes(-1.0f)), one);
     const Lanes p2 = p + p;
@@ -96,7 +99,8 @@ struct Spectrum {
     const Lanes up = kept[0] - kept[1], down = kept[2] - kept[1];
     const Lanes middle = expm1(kept[1] + kept[1]);
     const Lanes scale = Lanes(1.0f) + middle;
-    rebuild(middle, scale * expm1(up + up) * inv12, Lanes(0.0f) - scale * expm1(down + down) * inv23, out);
+    rebuild(middle, scale * expm1(up + up) * inv12,
+            Lanes(0.0f) - scale * expm1(down + down) * inv23, out);
   }
 };
 
@@ -104,10 +108,11 @@ HWY_INLINE void load_strain(const float* tile, Lanes* e) {
   for (int i = 0; i < 6; ++i) e[i] = load(tile + (TileLayout::kStrain + i) * kLanes);
 }
 
-/// Return mapping of a batch of tiles: reads the trial strain, writes the admissible one, its stress into work.
+/// Return mapping of a batch of tiles: reads the trial strain, writes the admissible one, its
+/// stress into work.
 template <class Law, class Damage>
-HWY_NOINLINE void respond_batch(const MaterialConstants& material, const TileLayout& layout, float* tiles,
-                                int tile_count, Work& work, RunExtremes& extremes) {
+HWY_NOINLINE void respond_batch(const MaterialConstants& material, const TileLayout& layout,
+                                float* tiles, int tile_count, Work& work, RunExtremes& extremes) {
   const LawConstants<Lanes> k = convert_constants<Lanes>(material.law);
   Lanes least_stress(0.0f), dissipation(0.0f);
   for (int t = 0; t < tile_count; ++t) {
@@ -151,9 +156,10 @@ HWY_INLINE Lanes shear_modulus_in_force(const LawConstants<Lanes>& k, Lanes tau_
   return select(tau_c > Lanes(0.0f), k.mu2, k.damage_mu2);
 }
 
-/// Elastic response alone, for the first scatter of a frame: the stored strain is admissible already.
-HWY_NOINLINE void stress_batch(const MaterialConstants& material, const TileLayout& layout, const float* tiles,
-                               int tile_count, Work& work) {
+/// Elastic response alone, for the first scatter of a frame: the stored strain is admissible
+/// already.
+HWY_NOINLINE void stress_batch(const MaterialConstants& material, const TileLayout& layout,
+                               const float* tiles, int tile_count, Work& work) {
   const LawConstants<Lanes> k = convert_constants<Lanes>(material.law);
   const bool damage = can_be_damaged(material);
   for (int t = 0; t < tile_count; ++t) {
@@ -167,7 +173,8 @@ HWY_NOINLINE void stress_batch(const MaterialConstants& material, const TileLayo
   }
 }
 
-using RespondBatch = void (*)(const MaterialConstants&, const TileLayout&, float*, int, Work&, RunExtremes&);
+using RespondBatch = void (*)(const MaterialConstants&, const TileLayout&, float*, int, Work&,
+                              RunExtremes&);
 
 /// The return mapping of a material; its response is 3 * yield surface + damage.
 inline RespondBatch respond_function(int response) {
@@ -179,8 +186,8 @@ inline RespondBatch respond_function(int response) {
 }
 
 /// Elastic energy density and largest principal stress, once a frame.
-HWY_NOINLINE void measure_tiles(const TileLayout& layout, const MaterialConstants& material, const float* tile,
-                                int tiles, float* energy, float* stress) {
+HWY_NOINLINE void measure_tiles(const TileLayout& layout, const MaterialConstants& material,
+                                const float* tile, int tiles, float* energy, float* stress) {
   const LawConstants<Lanes> k = convert_constants<Lanes>(material.law);
   const bool damage = can_be_damaged(material);
   for (int t = 0; t < tiles; ++t, tile += layout.floats()) {

@@ -1,4 +1,5 @@
-// One block's share of a step: gather from the grid, respond, scatter into the block's own node rows.
+// One block's share of a step: gather from the grid, respond, scatter into the block's own node
+// rows.
 #if defined(REND_MPM_TILE_PARTICLES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef REND_MPM_TILE_PARTICLES_INL_H_
 #undef REND_MPM_TILE_PARTICLES_INL_H_
@@ -47,22 +48,26 @@ HWY_INLINE std::uint64_t rows_to_read(const BlockTask& task, int groups) {
   return rows;
 }
 
-/// A = H + H^2/2 + H^3/6 + H^4/24 of a 3 x 3 matrix: exp(H) - 1, and det(1 + A) > 0 for every H met in a step.
+/// A = H + H^2/2 + H^3/6 + H^4/24 of a 3 x 3 matrix: exp(H) - 1, and det(1 + A) > 0 for every H met
+/// in a step.
 HWY_INLINE void exponential_minus_one(const Lanes* H, Lanes* A) {
   Lanes square[9], tail[9];
   const auto product = [](const Lanes* x, const Lanes* y, Lanes* out) HWY_ATTR {
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b)
-        out[3 * a + b] = mul_add(x[3 * a], y[b], mul_add(x[3 * a + 1], y[3 + b], x[3 * a + 2] * y[6 + b]));
+        out[3 * a + b] =
+            mul_add(x[3 * a], y[b], mul_add(x[3 * a + 1], y[3 + b], x[3 * a + 2] * y[6 + b]));
   };
   product(H, H, square);
-  for (int i = 0; i < 9; ++i) tail[i] = mul_add(square[i], Lanes(1.0f / 24), H[i] * Lanes(1.0f / 6));
+  for (int i = 0; i < 9; ++i)
+    tail[i] = mul_add(square[i], Lanes(1.0f / 24), H[i] * Lanes(1.0f / 6));
   for (int i = 0; i < 9; i += 4) tail[i] += Lanes(0.5f);
   product(square, tail, A);
   for (int i = 0; i < 9; ++i) A[i] += H[i];
 }
 
-/// Trial strain b - 1 <- (1 + A)(b)(1 + A)^T - 1, formed from b - 1 so that small strains keep their digits.
+/// Trial strain b - 1 <- (1 + A)(b)(1 + A)^T - 1, formed from b - 1 so that small strains keep
+/// their digits.
 HWY_INLINE void push_forward(const Lanes* A, Lanes* e) {
   Lanes g[9];
   for (int a = 0; a < 3; ++a) {
@@ -106,8 +111,7 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, floa
   transpose_gathered(work.gathered[t], v, G);
   for (int a = 0; a < 3; ++a) offset[a] = load(work.offset[t][a]);
   for (int b = 0; b < 3; ++b)
-    for (int a = 0; a < 3; ++a)
-      C[3 * a + b] = Lanes(4.0f) * neg_mul_add(offset[b], v[a], G[b][a]);
+    for (int a = 0; a < 3; ++a) C[3 * a + b] = Lanes(4.0f) * neg_mul_add(offset[b], v[a], G[b][a]);
   const Lanes dt(step.dt);
   for (int a = 0; a < 3; ++a) {
     float* place = tile + (TileLayout::kPosition + a) * kLanes;
@@ -138,8 +142,10 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, floa
   }
 }
 
-/// Momentum of sixteen particles with its affine part and the impulse of the stress until the next grid step.
-HWY_INLINE void pack_tile(const StepConstants& step, float density, const float* tile, int t, Work& work) {
+/// Momentum of sixteen particles with its affine part and the impulse of the stress until the next
+/// grid step.
+HWY_INLINE void pack_tile(const StepConstants& step, float density, const float* tile, int t,
+                          Work& work) {
   Lanes v[3], offset[3], A[9];
   for (int a = 0; a < 3; ++a) {
     v[a] = load(work.v[t][a]);
@@ -149,10 +155,12 @@ HWY_INLINE void pack_tile(const StepConstants& step, float density, const float*
   const Lanes mass = Lanes(density) * V, impulse = Lanes(step.stress_factor) * V;
   const Lanes keep = mass * Lanes(step.affine_keep), swap = mass * Lanes(step.affine_swap);
   constexpr int symmetric[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
-  for (int i = 0; i < 9; ++i) A[i] = mul_add(impulse, load(work.stress[t][symmetric[i]]), keep * load(work.C[t][i]));
+  for (int i = 0; i < 9; ++i)
+    A[i] = mul_add(impulse, load(work.stress[t][symmetric[i]]), keep * load(work.C[t][i]));
   if (step.affine_swap != 0)
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) A[3 * a + b] = mul_add(swap, load(work.C[t][3 * b + a]), A[3 * a + b]);
+      for (int b = 0; b < 3; ++b)
+        A[3 * a + b] = mul_add(swap, load(work.C[t][3 * b + a]), A[3 * a + b]);
   pack_momentum(mass, v, A, offset, work.momentum[t]);
 }
 
@@ -221,7 +229,8 @@ HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
     }
     if constexpr (kPass != Pass::scatter) extremes.reduce(task, out);
   }
-  task.touched &= task.allowed;  // all of it, unless a particle ran past the guard, which the excess tells
+  task.touched &=
+      task.allowed;  // all of it, unless a particle ran past the guard, which the excess tells
   if constexpr (kPass != Pass::gather) store_rows(work.nodes, task);
 }
 

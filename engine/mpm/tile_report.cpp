@@ -3,6 +3,7 @@
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "engine/mpm/material_state.h"
+#include "engine/mpm/node_loads.h"
 #include "engine/mpm/state_file.h"
 #include "engine/mpm/tile_solver.h"
 
@@ -94,7 +95,9 @@ std::vector<TileSolver::Point> TileSolver::points() const {
       point.x = world_position(block, p);
       point.v = dx_ * Vec3(p.v(0), p.v(1), p.v(2));
       for (int k = 0; k < 9; ++k) point.C(k / 3, k % 3) = p.C(k);
-      const auto e = [&](int k) { return static_cast<Real>(p.tile[(TileLayout::kStrain + k) * kLanes]); };
+      const auto e = [&](int k) {
+        return static_cast<Real>(p.tile[(TileLayout::kStrain + k) * kLanes]);
+      };
       point.strain << e(0), e(3), e(5), e(3), e(1), e(4), e(5), e(4), e(2);
       point.tau_c = tau_c(p);
     }
@@ -113,7 +116,8 @@ Snapshot TileSolver::snapshot() const {
   out.stress.resize(count);
   out.yielded.resize(count);
   each_run([&](const TileRun& run, const TileBlock& block) {
-    std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes), stress(energy.size());
+    std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes),
+        stress(energy.size());
     measure(run, energy, stress);
     for (int i = 0; i < run.count; ++i) {
       const Lane p = lane(run, i);
@@ -124,8 +128,9 @@ Snapshot TileSolver::snapshot() const {
       out.yielded[id] = p.yielded();
       const Real full = tau_c0(run.material, p.id);
       const Real lost = full > 0 && store_.layout().tau_c >= 0 ? 1 - tau_c(p) / full : 0;
-      out.damage[id] =
-          is_damaged(run.material, tau_c(p)) ? 1.0f : static_cast<float>(std::clamp(lost, 0.0, 1.0));
+      out.damage[id] = is_damaged(run.material, tau_c(p))
+                           ? 1.0f
+                           : static_cast<float>(std::clamp(lost, 0.0, 1.0));
     }
   });
   out.report = report_;
@@ -165,7 +170,8 @@ void TileSolver::fill_report(FrameReport& report) const {
             one.mass = m;
             one.momentum = m * v;
             one.angular = m * x.cross(v);
-            if (scene_.solver.transfer != Transfer::pic)  // sum_i w r x (C r), sum_i w r r^T = dx^2/4
+            if (scene_.solver.transfer !=
+                Transfer::pic)  // sum_i w r x (C r), sum_i w r r^T = dx^2/4
               one.angular += m * 0.25 * dx_ * dx_ * angular_part(p);
             one.kinetic = 0.5 * m * v.squaredNorm();
             one.gravity = -m * gravity_.dot(x);
@@ -218,11 +224,18 @@ std::uint64_t TileSolver::state_hash() const {
       const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
       for (int i = 0; i < run.count; ++i) {
         const Lane p = lane(run, i);
-        std::uint64_t hash = mix_bits(static_cast<std::uint64_t>(p.id) ^ BlockIndex::key(block.coord) << 1);
-        for (int g = 0; g < store_.layout().groups; ++g)
-          hash = mix_bits(hash ^ std::bit_cast<std::uint32_t>(p.tile[g * kLanes]));
-        for (int g = 0; g < 12; ++g)
-          hash = mix_bits(hash ^ std::bit_cast<std::uint32_t>(p.motion[g * kLanes]));
+        std::uint64_t hash =
+            mix_bits(static_cast<std::uint64_t>(p.id) ^ BlockIndex::key(block.coord) << 1);
+        const auto mix = [&](const float* values, int groups) {
+          for (int g = 0; g < groups; g += 2) {
+            std::uint64_t word = std::bit_cast<std::uint32_t>(values[g * kLanes]);
+            if (g + 1 < groups)
+              word |= std::uint64_t{std::bit_cast<std::uint32_t>(values[(g + 1) * kLanes])} << 32;
+            hash = mix_bits(hash ^ word);
+          }
+        };
+        mix(p.tile, store_.layout().groups);
+        mix(p.motion, 12);
         out += Sum{hash};
       }
     }
@@ -231,70 +244,92 @@ std::uint64_t TileSolver::state_hash() const {
   return mix_bits(sum.bits ^ std::bit_cast<std::uint64_t>(time_));
 }
 
-TileSolver::Fault TileSolver::first_bad_particle() const {
-  struct First {
-    Fault fault;
-    First& operator+=(const First& other) {
-      if (fault.status == Status::ok) fault = other.fault;
-      return *this;
+Index TileSolver::suspect() const {
+  Index found = -1;
+  float worst = 0;
+  for (const TileBlock& block : store_.blocks())
+    for (int r = 0; r < block.run_count; ++r) {
+      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+      for (int i = 0; i < run.count; ++i) {
+        const Lane p = lane(run, i);
+        float sum = 0, beyond = 0;
+        for (int g = 0; g < store_.layout().groups; ++g) sum += p.tile[g * kLanes];
+        if (!std::isfinite(sum)) return p.id;
+        for (int a = 0; a < 3; ++a)
+          beyond = std::max({beyond, p.x(a) - block.high(a), block.low(a) - p.x(a)});
+        if (beyond > worst) {
+          worst = beyond;
+          found = p.id;
+        }
+      }
     }
-  };
-  return ordered_sum(static_cast<Index>(store_.blocks().size()), 8, First(), [&](Index b) {
-           const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
-           First first;
-           for (int r = 0; r < block.run_count; ++r) {
-             const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
-             for (int i = 0; i < run.count && first.fault.status == Status::ok; ++i) {
-               const Lane p = lane(run, i);
-               float sum = 0;
-               for (int g = 0; g < store_.layout().groups; ++g) sum += std::abs(p.tile[g * kLanes]);
-               for (int g = 0; g < 12; ++g) sum += std::abs(p.motion[g * kLanes]);
-               if (!std::isfinite(sum)) first.fault = {Status::not_finite, p.id, 0};
-             }
-           }
-           if (first.fault.status == Status::ok &&
-               block.coord.cwiseAbs().maxCoeff() > TileStore::kLimit - 2)
-             first.fault = {Status::left_domain,
-                            lane(store_.runs()[static_cast<std::size_t>(block.first_run)], 0).id,
-                            4 * dx_ * block.coord.cwiseAbs().maxCoeff()};
-           return first;
-         })
-      .fault;
+  return found;
+}
+
+Fault TileSolver::farthest_block() const {
+  for (const TileBlock& block : store_.blocks())
+    if (block.coord.cwiseAbs().maxCoeff() > TileStore::kLimit - 2)
+      return {Status::left_domain,
+              lane(store_.runs()[static_cast<std::size_t>(block.first_run)], 0).id,
+              4 * dx_ * block.coord.cwiseAbs().maxCoeff()};
+  return {};
 }
 
 // Extremes of the state at rest in the store, as a step of length 0 would leave them.
 void TileSolver::measure_motion() {
-  motion_ = ordered_sum(static_cast<Index>(store_.blocks().size()), 4, MotionExtremes(), [&](Index b) {
-    const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
-    MotionExtremes out;
-    for (int r = 0; r < block.run_count; ++r) {
-      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
-      const MaterialDesc& material = materials_[run.material].desc;
-      const Lame lame = lame_parameters(material.youngs_modulus, material.poisson_ratio);
-      out.stiffness = std::max(out.stiffness, wave_stiffness(lame.mu, lame.lambda, 0) / material.density);
-      for (int i = 0; i < run.count; ++i) {
-        const Lane p = lane(run, i);
-        Real C2 = 0;
-        for (int k = 0; k < 9; ++k) C2 += static_cast<Real>(p.C(k)) * p.C(k);
-        const bool affine = scene_.solver.transfer != Transfer::pic;
-        out.gradient = std::max(out.gradient, std::sqrt(C2));
-        out.speed = std::max(out.speed, dx_ * (Vec3(p.v(0), p.v(1), p.v(2)).norm() +
-                                               (affine ? std::sqrt(3 * C2) : 0)));
-      }
-    }
-    return out;
-  });
-  for (const PosedCollider& c : pose_colliders(scene_.colliders, time_))
-    motion_.collider_speed = std::max(motion_.collider_speed, fastest_point(c));
+  motion_ =
+      ordered_sum(static_cast<Index>(store_.blocks().size()), 4, MotionExtremes(), [&](Index b) {
+        const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+        MotionExtremes out;
+        for (int r = 0; r < block.run_count; ++r) {
+          const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+          const MaterialDesc& material = materials_[run.material].desc;
+          const Lame lame = lame_parameters(material.youngs_modulus, material.poisson_ratio);
+          out.stiffness =
+              std::max(out.stiffness, wave_stiffness(lame.mu, lame.lambda, 0) / material.density);
+          for (int i = 0; i < run.count; ++i) {
+            const Lane p = lane(run, i);
+            Real C2 = 0;
+            for (int k = 0; k < 9; ++k) C2 += static_cast<Real>(p.C(k)) * p.C(k);
+            const bool affine = scene_.solver.transfer != Transfer::pic;
+            out.gradient = std::max(out.gradient, std::sqrt(C2));
+            out.speed = std::max(out.speed, dx_ * (Vec3(p.v(0), p.v(1), p.v(2)).norm() +
+                                                   (affine ? std::sqrt(3 * C2) : 0)));
+          }
+        }
+        return out;
+      });
+  motion_.collider_speed = NodeLoads(scene_.colliders, pull_, time_).collider_speed();
 }
 
 // ---- steering and files
+
+// Room for the state of a law that no material had before.
+void TileSolver::add_groups(const TileLayout& needed) {
+  const TileLayout before = store_.layout();
+  store_.change_layout(needed);
+  AlignedFloats motion_copy;
+  const std::size_t floats = std::size_t(store_.tile_count()) * kMotionFloats;
+  motion_copy.reserve(std::max(floats, std::size_t(store_.tile_count()) * needed.floats()));
+  std::copy(motion(), motion() + floats, motion_copy.data());
+  std::swap(spare_, motion_copy);
+  for (const TileRun& run : store_.runs())
+    for (int i = 0; i < run.tiles() * kLanes; ++i) {
+      float* lane = store_.tile(run.first_tile + i / kLanes) + i % kLanes;
+      const Index id =
+          store_.ids()[std::size_t(run.first_tile) * kLanes + std::min(i, run.count - 1)];
+      const float threshold = static_cast<float>(tau_c0(run.material, id));
+      if (before.tau_c < 0 && needed.tau_c >= 0) lane[needed.tau_c * kLanes] = threshold;
+      if (before.tau_c0 < 0 && needed.tau_c0 >= 0) lane[needed.tau_c0 * kLanes] = threshold;
+    }
+}
 
 void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
   const Real before = initial_threshold(materials_.at(index).desc.yield_surface);
   materials_[index] = {material, constants_of(material)};
   const Real now = initial_threshold(material.yield_surface);
-  ensure_threshold();
+  const TileLayout needed = needed_layout();
+  if (needed.groups != store_.layout().groups) add_groups(needed);
   const TileLayout& layout = store_.layout();
   if (layout.tau_c >= 0)
     for (const TileRun& run : store_.runs()) {
@@ -302,11 +337,13 @@ void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
       for (int i = 0; i < run.count; ++i) {
         const std::int32_t t = run.first_tile + i / kLanes;
         float* lane = store_.tile(t) + i % kLanes;
-        const Index id = store_.ids()[std::size_t(run.first_tile) * kLanes + static_cast<std::size_t>(i)];
+        const Index id =
+            store_.ids()[std::size_t(run.first_tile) * kLanes + static_cast<std::size_t>(i)];
         float& state = lane[layout.tau_c * kLanes];
         if (state > 0 || before == 0)
           state = static_cast<float>(before > 0 ? state * (now / before) : tau_c0(index, id));
-        if (layout.tau_c0 >= 0) lane[layout.tau_c0 * kLanes] = static_cast<float>(tau_c0(index, id));
+        if (layout.tau_c0 >= 0)
+          lane[layout.tau_c0 * kLanes] = static_cast<float>(tau_c0(index, id));
       }
     }
   measure_motion();
@@ -405,10 +442,10 @@ std::string TileSolver::describe() const {
 }
 
 double TileSolver::bytes_per_particle() const {
-  const double bytes = static_cast<double>(store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() +
-                                           run_extremes_.capacity() * sizeof(RunExtremes) +
-                                           strength_.size() * sizeof(float) +
-                                           material_of_.size() * sizeof(std::uint16_t));
+  const double bytes = static_cast<double>(
+      store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() +
+      run_extremes_.capacity() * sizeof(RunExtremes) + strength_.size() * sizeof(float) +
+      material_of_.size() * sizeof(std::uint16_t));
   return bytes / std::max<double>(1, store_.particle_count());
 }
 

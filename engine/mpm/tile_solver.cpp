@@ -17,7 +17,8 @@ namespace rend {
 
 namespace {
 
-// A particle may be this far beyond its block, in cells; a whole cell is what the node tile has room for.
+// A particle may be this far beyond its block, in cells; a whole cell is what the node tile has
+// room for.
 constexpr float kMargin = 0.999f;
 constexpr Real kMostSteps = 1e7;  // in one advance; more means that the state has blown up
 
@@ -42,7 +43,8 @@ std::string TileSolver::obstacle(const SceneDesc& scene) {
   if (solver.transfer == Transfer::xpic) return "XPIC is in the reference solver only";
   if (solver.transfer == Transfer::flip) return "FLIP is in the reference solver only";
   if (solver.kernel != Kernel::quadratic) return "the cubic kernel is in the reference solver only";
-  if (solver.force_form != ForceForm::mls) return "the gradient force is in the reference solver only";
+  if (solver.force_form != ForceForm::mls)
+    return "the gradient force is in the reference solver only";
   if (solver.deformation_update != DeformationUpdate::exponential)
     return "the linear deformation update is in the reference solver only";
   for (const BodyDesc& body : scene.bodies)
@@ -91,24 +93,32 @@ MaterialConstants TileSolver::constants_of(const MaterialDesc& material) const {
   return out;
 }
 
-void TileSolver::place(const Model& model) {
-  TileLayout layout;
+// Groups that the materials need now, after those that are there already.
+TileLayout TileSolver::needed_layout() const {
+  TileLayout layout = store_.layout();
   const auto any_material = [&](auto&& test) {
     return std::any_of(materials_.begin(), materials_.end(),
                        [&](const Material& m) { return test(m.desc); });
   };
-  if (any_material([](const MaterialDesc& m) { return m.yield_surface.type != 0; }))
+  if (layout.tau_c < 0 &&
+      any_material([](const MaterialDesc& m) { return m.yield_surface.type != 0; }))
     layout.tau_c = layout.groups++;
-  if (!strength_.empty() &&
+  if (layout.tau_c0 < 0 && !strength_.empty() &&
       any_material([](const MaterialDesc& m) { return m.damage.type != DamageType::off; }))
     layout.tau_c0 = layout.groups++;
+  return layout;
+}
+
+void TileSolver::place(const Model& model) {
+  const TileLayout layout = needed_layout();
 
   std::vector<TileStore::Arrival> arrivals(model.X.size());
   for (std::size_t i = 0; i < model.X.size(); ++i) {
     const Vec3 cells = model.X[i] / dx_;
     if (!(cells.cwiseAbs().maxCoeff() < 4.0 * (TileStore::kLimit - 2)))
-      throw Error("/bodies", fmt::format("particle {} at ({}, {}, {}) m is outside +-2^20 cells of {} m",
-                                         i, model.X[i][0], model.X[i][1], model.X[i][2], dx_));
+      throw Error("/bodies",
+                  fmt::format("particle {} at ({}, {}, {}) m is outside +-2^20 cells of {} m", i,
+                              model.X[i][0], model.X[i][1], model.X[i][2], dx_));
     TileStore::Arrival& a = arrivals[i];
     a.id = static_cast<Index>(i);
     a.material = model.material[i];
@@ -179,7 +189,8 @@ TileSolver::StepSums TileSolver::particle_pass(Pass pass, const StepConstants& s
     }
     for (int r = 0; r < block.run_count; ++r) {
       const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
-      runs[r] = {store_.tile(run.first_tile), motion() + std::size_t(run.first_tile) * kMotionFloats,
+      runs[r] = {store_.tile(run.first_tile),
+                 motion() + std::size_t(run.first_tile) * kMotionFloats,
                  &materials_[run.material].constants, run.count};
     }
     BlockTask task;
@@ -302,16 +313,18 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
   const auto begin = std::chrono::steady_clock::now();
   FrameReport report;
   report.dt_min = report.dt_max = 0;
-  Fault fault = first_bad_particle();
-  if (fault.status == Status::ok) good_ = state();
+  Fault fault;
+  good_ = state();
   const Real end = time_ + duration;
   bool complete = true;
   Real dt = 0;
   try {
     if (fault.status == Status::ok && time_ < end) {
       dt = choose_time_step(scene_.solver, dx_, motion_, end - time_);
-      if (!(duration / dt < kMostSteps)) fault = {Status::too_fast, -1, motion_.speed};
-      else particle_pass(Pass::scatter, step_constants(0, dt));
+      if (!(duration / dt < kMostSteps))
+        fault = {Status::too_fast, -1, motion_.speed, true};
+      else
+        particle_pass(Pass::scatter, step_constants(0, dt));
     }
     while (fault.status == Status::ok && time_ < end) {
       const Real fastest = grid_pass(dt);
@@ -323,7 +336,8 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
         grid_.relate(store_.blocks());
         ++times_.rebins;
         if (!(reach < kMargin)) {
-          fault = {std::isfinite(fastest) ? Status::too_fast : Status::not_finite, -1, fastest * dx_};
+          fault = {std::isfinite(fastest) ? Status::too_fast : Status::not_finite, -1,
+                   fastest * dx_};
           break;
         }
       }
@@ -334,7 +348,7 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
       if (!last) {
         next = choose_time_step(scene_.solver, dx_, motion_, end - after);
         if (!(duration / next < kMostSteps)) {
-          fault = {Status::too_fast, -1, motion_.speed};
+          fault = {Status::too_fast, -1, motion_.speed, true};
           break;
         }
       }
@@ -362,14 +376,26 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
       if (last) break;
     }
   } catch (const std::bad_alloc&) {
-    fault = {Status::out_of_memory, -1, 0};
+    fault = {Status::out_of_memory};
   }
-  if (fault.status == Status::ok) fault = first_bad_particle();
+  const Real stopped_at = time_;
+  if (fault.status == Status::ok) {
+    if (complete) ++frame_;
+    fill_report(report);
+    if (!std::isfinite(report.kinetic_energy + report.elastic_energy + report.gravity_energy))
+      fault = {Status::not_finite};
+    else
+      fault = farthest_block();
+    if (fault.status != Status::ok && complete) --frame_;
+  }
+  if (fault.status != Status::ok) {
+    if (fault.particle < 0 && !fault.tiny_step) fault.particle = suspect();
+    restore(good_);
+    fill_report(report);
+  }
   report.status = fault.status;
   report.culprit = fault.particle;
-  if (fault.status != Status::ok) restore(good_);
-  else if (complete) ++frame_;
-  fill_report(report);
+  report.reason = rend::describe(fault, stopped_at);
   report.sim_seconds =
       std::chrono::duration<Real>(std::chrono::steady_clock::now() - begin).count();
   report_ = report;

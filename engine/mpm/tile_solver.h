@@ -1,7 +1,7 @@
 // The fast solver: explicit MPM in float, vectorised, one pass over the particles a step.
 #pragma once
 
-#include "engine/mpm/collider_contact.h"
+#include "engine/mpm/fault.h"
 #include "engine/mpm/solver.h"
 #include "engine/mpm/tile_grid.h"
 #include "engine/mpm/tile_kernel.h"
@@ -20,10 +20,11 @@ struct TileTimes {
   Index steps = 0, rebins = 0;
 };
 
-/// A step reads the node rows of the last one: grid blocks sum them, then every particle block gathers, responds
-/// and scatters for the next step in one go, so v and C are stored at the ends of a frame only. Particles are
-/// re-binned when the guard says so: how far any of them is beyond its block plus dt times the largest node
-/// velocity, which bounds every particle's motion because a particle's velocity is a convex mean of node velocities.
+/// A step reads the node rows of the last one: grid blocks sum them, then every particle block
+/// gathers, responds and scatters for the next step in one go, so v and C are stored at the ends of
+/// a frame only. Particles are re-binned when the guard says so: how far any of them is beyond its
+/// block plus dt times the largest node velocity, which bounds every particle's motion because a
+/// particle's velocity is a convex mean of node velocities.
 class TileSolver : public Solver {
  public:
   /// Why the tile solver cannot run a scene; empty when it can.
@@ -59,11 +60,6 @@ class TileSolver : public Solver {
     MaterialDesc desc;
     MaterialConstants constants;
   };
-  struct Fault {
-    Status status = Status::ok;
-    Index particle = -1;
-    Real amount = 0;
-  };
   struct StepSums {
     MotionExtremes motion;
     Real dissipation = 0;
@@ -88,7 +84,11 @@ class TileSolver : public Solver {
   Real grid_pass(Real dt);
   void update_topology();
   void measure_motion();
-  Fault first_bad_particle() const;
+  TileLayout needed_layout() const;
+  void add_groups(const TileLayout& needed);
+  /// The particle that most likely made a step fail: not finite, or farthest beyond its block.
+  Index suspect() const;
+  Fault farthest_block() const;
   State state() const;
   void restore(const State& state);
   void fill_report(FrameReport& report) const;
@@ -97,6 +97,12 @@ class TileSolver : public Solver {
   Real tau_c0(std::size_t material, Index id) const;
   float* motion() const { return spare_.data(); }
 
+  struct Lane;
+  Lane lane(const TileRun& run, int i) const;
+  float tau_c(const Lane& lane) const;
+  Vec3 world_position(const TileBlock& block, const Lane& lane) const;
+  Vec3 angular_part(const Lane& lane) const;
+  void measure(const TileRun& run, std::vector<float>& energy, std::vector<float>& stress) const;
   /// Calls visit(run, block) for every run.
   template <class F>
   void each_run(F&& visit) const;

@@ -26,7 +26,8 @@ int cell_index(const float* x, int stride) {
 
 std::uint8_t halves_of_cell(int cell) {
   const auto half = [](int c) { return c < 2 ? 1 : 2; };
-  return static_cast<std::uint8_t>(half(cell >> 4) | half(cell >> 2 & 3) << 2 | half(cell & 3) << 4);
+  return static_cast<std::uint8_t>(half(cell >> 4) | half(cell >> 2 & 3) << 2 |
+                                   half(cell & 3) << 4);
 }
 
 }  // namespace
@@ -41,7 +42,8 @@ void TileStore::lay_out_tiles(std::vector<TileRun>& runs) {
   }
 }
 
-// Pad lanes follow the last particle of the run without mass: a place of their own would cost the scatter a flush.
+// Pad lanes follow the last particle of the run without mass: a place of their own would cost the
+// scatter a flush.
 void TileStore::pad(const TileRun& run) {
   const int used = run.count % kLanes;
   if (used == 0) return;
@@ -70,7 +72,7 @@ void TileStore::place(const TileLayout& layout, std::vector<Arrival> arrivals,
       blocks_.back().first_run = static_cast<std::int32_t>(runs_.size());
     }
     if (new_block || a.material != before->material) {
-      runs_.push_back({0, 0, a.material});
+      runs_.push_back({0, 0, a.material, 0});
       ++blocks_.back().run_count;
     }
     ++runs_.back().count;
@@ -147,7 +149,8 @@ void TileStore::rebin(AlignedFloats& spare) {
     }
   first_source.push_back(sources.size());
 
-  // Calls visit(old slot, material, neighbor it comes through) for the particles of a new block, in a fixed order.
+  // Calls visit(old slot, material, neighbor it comes through) for the particles of a new block, in
+  // a fixed order.
   const auto each_incoming = [&](Index n, auto&& visit) {
     for (std::size_t s = first_source[n]; s < first_source[n + 1]; ++s) {
       const TileBlock& from = blocks_[sources[s].block];
@@ -167,7 +170,7 @@ void TileStore::rebin(AlignedFloats& spare) {
     each_incoming(n, [&](std::int32_t, std::uint16_t material, int) {
       auto at = std::lower_bound(runs.begin(), runs.end(), material,
                                  [](const TileRun& r, std::uint16_t m) { return r.material < m; });
-      if (at == runs.end() || at->material != material) at = runs.insert(at, {0, 0, material});
+      if (at == runs.end() || at->material != material) at = runs.insert(at, {0, 0, material, 0});
       ++at->count;
       ++blocks[n].count;
     });
@@ -209,7 +212,8 @@ void TileStore::rebin(AlignedFloats& spare) {
     each_incoming(n, [&](std::int32_t slot, std::uint16_t material, int k) {
       const float* from = moved(slot, k, x);
       const int r = run_of(material);
-      const std::int32_t to = runs[block.first_run + r].first_tile * kLanes + next[r][cell_index(x, 1)]++;
+      const std::int32_t to =
+          runs[block.first_run + r].first_tile * kLanes + next[r][cell_index(x, 1)]++;
       float* lane = spare.data() + std::size_t(to / kLanes) * floats + to % kLanes;
       for (int a = 0; a < 3; ++a) lane[a * kLanes] = x[a];
       for (int g = 3; g < layout_.groups; ++g) lane[g * kLanes] = from[g * kLanes];
@@ -225,10 +229,51 @@ void TileStore::rebin(AlignedFloats& spare) {
 
 TileStore::State TileStore::state() const {
   const std::size_t floats = std::size_t(tile_count_) * layout_.floats();
-  return {blocks_, runs_, ids_, std::vector<float>(tiles_.data(), tiles_.data() + floats)};
+  return {layout_, blocks_, runs_, ids_, std::vector<float>(tiles_.data(), tiles_.data() + floats)};
+}
+
+bool TileStore::State::fits(Index count) const {
+  std::int64_t particles = 0, tile_total = 0;
+  std::size_t run_total = 0;
+  for (const TileBlock& block : blocks) {
+    if (block.first_run != static_cast<std::int32_t>(run_total) || block.run_count < 1)
+      return false;
+    run_total += static_cast<std::size_t>(block.run_count);
+  }
+  for (const TileRun& run : runs) {
+    if (run.count < 1) return false;
+    particles += run.count;
+    tile_total += run.tiles();
+  }
+  return run_total == runs.size() && particles == count &&
+         ids.size() == static_cast<std::size_t>(tile_total) * kLanes && layout.groups >= 10 &&
+         layout.groups < 32 && tiles.size() == ids.size() * static_cast<std::size_t>(layout.groups);
+}
+
+void TileStore::change_layout(const TileLayout& layout) {
+  const TileLayout before = layout_;
+  AlignedFloats changed;
+  changed.reserve(std::size_t(tile_count_) * layout.floats());
+  std::fill(changed.data(), changed.data() + std::size_t(tile_count_) * layout.floats(), 0.0f);
+  for (std::int32_t t = 0; t < tile_count_; ++t) {
+    const float* from = tile(t);
+    float* to = changed.data() + std::size_t(t) * layout.floats();
+    const auto copy = [&](int old_group, int new_group, int groups) {
+      if (old_group >= 0 && new_group >= 0)
+        std::copy(from + old_group * kLanes, from + (old_group + groups) * kLanes,
+                  to + new_group * kLanes);
+    };
+    copy(0, 0, 10);
+    copy(before.tau_c, layout.tau_c, 1);
+    copy(before.tau_c0, layout.tau_c0, 1);
+    copy(before.velocity, layout.velocity, 3);
+  }
+  layout_ = layout;
+  std::swap(tiles_, changed);
 }
 
 void TileStore::restore(const State& state) {
+  layout_ = state.layout;
   blocks_ = state.blocks;
   runs_ = state.runs;
   ids_ = state.ids;

@@ -14,6 +14,7 @@ struct TileRun {
   std::int32_t first_tile = 0;
   std::int32_t count = 0;  ///< particles
   std::uint16_t material = 0;
+  std::uint16_t unused = 0;  ///< no chance bits in files
 
   std::int32_t tiles() const { return (count + kLanes - 1) / kLanes; }
 };
@@ -22,17 +23,19 @@ struct TileRun {
 struct TileBlock {
   Vec3i coord = Vec3i::Zero();  ///< in blocks
   std::int32_t first_run = 0, run_count = 0;
-  std::int32_t count = 0;       ///< particles
-  /// Octants that held particles at the last re-bin, as a box: bit 2a for the lower half of axis a, bit 2a + 1 for
-  /// the upper half. Particles stay within one cell of it, which bounds the rows and grid blocks that they touch.
+  std::int32_t count = 0;  ///< particles
+  /// Octants that held particles at the last re-bin, as a box: bit 2a for the lower half of axis a,
+  /// bit 2a + 1 for the upper half. Particles stay within one cell of it, which bounds the rows and
+  /// grid blocks that they touch.
   std::uint8_t halves = 0;
+  std::uint8_t unused[3] = {0, 0, 0};  ///< no chance bits in files
 
   float low(int axis) const { return halves >> (2 * axis) & 1 ? -0.5f : 1.5f; }
   float high(int axis) const { return halves >> (2 * axis + 1) & 1 ? 3.5f : 1.5f; }
 };
 
-/// Particles in an order that depends on nothing but where they are and were. Positions are relative to their
-/// block, so that float keeps 2^-22 of a cell anywhere in the world.
+/// Particles in an order that depends on nothing but where they are and were. Positions are
+/// relative to their block, so that float keeps 2^-22 of a cell anywhere in the world.
 class TileStore {
  public:
   static constexpr Index kLimit = Index(1) << 18;  ///< blocks along an axis from the origin
@@ -45,7 +48,8 @@ class TileStore {
     Index id;
   };
 
-  /// Sorts arrivals into blocks; fill(slot pointer into the tile, id) writes everything but the position.
+  /// Sorts arrivals into blocks; fill(lane, id) writes everything but the position at lane[16
+  /// group].
   void place(const TileLayout& layout, std::vector<Arrival> arrivals,
              const std::function<void(float* lane, Index id)>& fill);
 
@@ -53,12 +57,18 @@ class TileStore {
   /// @pre no particle is farther than a block from its own.
   void rebin(AlignedFloats& spare);
 
+  /// Changes the groups of a tile; the ten that are always there keep their values, as do the
+  /// others that both layouts have.
+  void change_layout(const TileLayout& layout);
+
   const TileLayout& layout() const { return layout_; }
   const std::vector<TileBlock>& blocks() const { return blocks_; }
   const std::vector<TileRun>& runs() const { return runs_; }
   std::int32_t tile_count() const { return tile_count_; }
   float* tile(std::int32_t t) { return tiles_.data() + std::size_t(t) * layout_.floats(); }
-  const float* tile(std::int32_t t) const { return tiles_.data() + std::size_t(t) * layout_.floats(); }
+  const float* tile(std::int32_t t) const {
+    return tiles_.data() + std::size_t(t) * layout_.floats();
+  }
   /// Particle ids by slot (sixteen a tile), -1 in pad lanes.
   const std::vector<Index>& ids() const { return ids_; }
   Index particle_count() const { return particle_count_; }
@@ -66,10 +76,13 @@ class TileStore {
 
   /// Everything that save() must keep.
   struct State {
+    TileLayout layout;
     std::vector<TileBlock> blocks;
     std::vector<TileRun> runs;
     std::vector<Index> ids;
     std::vector<float> tiles;
+    /// Whether the parts belong together and hold `count` particles.
+    bool fits(Index count) const;
   };
   State state() const;
   void restore(const State& state);

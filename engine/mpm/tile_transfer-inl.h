@@ -1,4 +1,5 @@
-// Transfers between particles and node rows: sixteen particles for weights, sixteen node values for sums.
+// Transfers between particles and node rows: sixteen particles for weights, sixteen node values for
+// sums.
 #if defined(REND_MPM_TILE_TRANSFER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef REND_MPM_TILE_TRANSFER_INL_H_
 #undef REND_MPM_TILE_TRANSFER_INL_H_
@@ -14,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace rend {
 namespace HWY_NAMESPACE {
 
-/// Rounds denormal numbers to 0 while it lives: they cost a hundred times a normal one on some CPUs, and setting it
-/// in every kernel keeps results independent of the thread that runs it.
+/// Rounds denormal numbers to 0 while it lives: they cost a hundred times a normal one on some
+/// CPUs, and setting it in every kernel keeps results independent of the thread that runs it.
 class FlushDenormals {
  public:
 #if HWY_ARCH_X86
@@ -32,15 +33,16 @@ inline constexpr int kBatch = 4;
 /// Node rows of a tile: 8 x 8, x major.
 inline constexpr int kPlane = 8 * kNodeRowFloats;
 
-/// Quadratic B-spline weights of sixteen particles. Four z weights (the last is 0) lie together, particle l at
-/// wz[l & 3][l >> 2], as a 4 x 4 transpose leaves them.
+/// Quadratic B-spline weights of sixteen particles. Four z weights (the last is 0) lie together,
+/// particle l at wz[l & 3][l >> 2], as a 4 x 4 transpose leaves them.
 struct alignas(64) Weights {
   float wx[3][16], wy[3][16];
   float wz[4][4][4];
   std::int32_t base[16];  ///< first node of the stencil, 64 x + 8 y + z in the tile
 };
 
-/// Momentum and its gradient per particle, in the same transposed order: rows p, A e_x, A e_y, A e_z.
+/// Momentum and its gradient per particle, in the same transposed order: rows p, A e_x, A e_y, A
+/// e_z.
 struct alignas(64) Momentum {
   float row[4][4][4][4];
 
@@ -60,8 +62,8 @@ struct alignas(64) Work {
   float stress[kBatch][6][16];
 };
 
-/// Weights of N(x) and the offset from the centre node. The base is clamped to the tile, so that no position,
-/// not even NaN, can write outside it.
+/// Weights of N(x) and the offset from the centre node. The base is clamped to the tile, so that no
+/// position, not even NaN, can write outside it.
 HWY_INLINE void stencil_weights(const Lanes* x, Lanes* offset, Weights& w) {
   const Lanes half(0.5f);
   Lanes base[3], n[3][3];
@@ -140,18 +142,20 @@ HWY_INLINE void transpose_gathered(const float rows[16][16], Lanes* v, Lanes G[3
   for (int q = 0; q < 4; ++q) {
     Lanes part[4];
     for (int r = 0; r < 4; ++r)
-      part[r] = concat4(&rows[r][4 * q], &rows[4 + r][4 * q], &rows[8 + r][4 * q], &rows[12 + r][4 * q]);
+      part[r] =
+          concat4(&rows[r][4 * q], &rows[4 + r][4 * q], &rows[8 + r][4 * q], &rows[12 + r][4 * q]);
     transpose4(part[0], part[1], part[2], part[3], q == 0 ? v : G[q - 1]);
   }
 }
 
 /// Momentum about the centre node, p = m v - A offset, and A, ready for scatter_batch.
-HWY_INLINE void pack_momentum(Lanes mass, const Lanes* v, const Lanes* A, const Lanes* offset, Momentum& out) {
+HWY_INLINE void pack_momentum(Lanes mass, const Lanes* v, const Lanes* A, const Lanes* offset,
+                              Momentum& out) {
   Lanes p[3], t[4];
   for (int a = 0; a < 3; ++a)
-    p[a] = mul_sub(mass, v[a],
-                   mul_add(A[3 * a], offset[0],
-                           mul_add(A[3 * a + 1], offset[1], A[3 * a + 2] * offset[2])));
+    p[a] = mul_sub(
+        mass, v[a],
+        mul_add(A[3 * a], offset[0], mul_add(A[3 * a + 1], offset[1], A[3 * a + 2] * offset[2])));
   transpose4(p[0], p[1], p[2], mass, t);
   for (int r = 0; r < 4; ++r) store(t[r], &out.row[0][r][0][0]);
   for (int q = 0; q < 3; ++q) {
@@ -187,8 +191,8 @@ struct StencilSums {
 };
 
 /// Scatters w (p + A (x_i - centre)) and w m of a batch of tiles holding `count` particles.
-HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, int count, float* nodes,
-                              std::uint64_t& touched) {
+HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, int count,
+                              float* nodes, std::uint64_t& touched) {
   const Lanes z_index = group_index() - Lanes(1.0f);
   StencilSums sums;
   sums.clear();

@@ -1,6 +1,8 @@
 // Pull tool and contact, node by node.
 #include "engine/mpm/node_loads.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace rend {

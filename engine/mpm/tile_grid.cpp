@@ -79,7 +79,6 @@ void TileGrid::rebuild(const std::vector<TileBlock>& blocks) {
   const std::size_t floats = (coords_.size() + 1) * kGridBlockFloats;
   nodes_.reserve(floats);
   std::fill(nodes_.data(), nodes_.data() + floats, 0.0f);
-  lay_out_rows(blocks);
 }
 
 void TileGrid::relate(const std::vector<TileBlock>& blocks) {

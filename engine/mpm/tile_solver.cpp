@@ -303,7 +303,7 @@ Real TileSolver::grid_pass(Real dt) {
 }
 
 void TileSolver::update_topology() {
-  const Stopwatch watch(times_.rebin);
+  grid_.relate(store_.blocks());
   grid_.rebuild(store_.blocks());
 }
 
@@ -357,7 +357,10 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
                        std::max(kMotionFloats, store_.layout().floats()));
       const StepSums sums =
           particle_pass(last ? Pass::gather : Pass::fused, step_constants(dt, next));
-      if (rebin) update_topology();
+      if (rebin) {
+        const Stopwatch watch(times_.rebin);
+        grid_.rebuild(store_.blocks());
+      }
       if (!sums.finite || !(sums.excess < 1)) {
         fault = {sums.finite ? Status::too_fast : Status::not_finite, -1, sums.motion.speed};
         break;

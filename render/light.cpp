@@ -203,8 +203,22 @@ struct FrameStore {
   }
 };
 
-Image light_with(const LightKernels& kernels, FrameStore& store, const GBuffer& picture,
-                 const View& view, const DepthMap& key, const GroundMap& ground, const Look& look) {
+}  // namespace
+
+struct LightPlanes::State {
+  const LightKernels& kernels;
+  FrameStore store{};
+};
+
+LightPlanes::LightPlanes(Arithmetic arithmetic)
+    : state_(new State{arithmetic == Arithmetic::lanes ? lane_light_kernels()
+                                                       : reference_light_kernels()}) {}
+LightPlanes::~LightPlanes() = default;
+
+Image LightPlanes::light(const GBuffer& picture, const View& view, const DepthMap& key,
+                         const GroundMap& ground, const Look& look) {
+  const LightKernels& kernels = state_->kernels;
+  FrameStore& store = state_->store;
   store.set_output(picture.width, picture.height, picture.stride, look);
   store.set_scene(picture, view, key, ground, look);
   store.set_half_planes();
@@ -216,20 +230,6 @@ Image light_with(const LightKernels& kernels, FrameStore& store, const GBuffer& 
   store.run(kernels.shade, f.height);
   store.run(kernels.smooth_edges, f.height);
   return store.image(f.smooth);
-}
-
-}  // namespace
-
-struct LightPlanes::State {
-  FrameStore store;
-};
-
-LightPlanes::LightPlanes() : state_(std::make_unique<State>()) {}
-LightPlanes::~LightPlanes() = default;
-
-Image LightPlanes::light(const GBuffer& picture, const View& view, const DepthMap& key,
-                         const GroundMap& ground, const Look& look) {
-  return light_with(lane_light_kernels(), state_->store, picture, view, key, ground, look);
 }
 
 void LightPlanes::add_pass(const GBuffer& picture, const View& view, const DepthMap& key,
@@ -244,8 +244,8 @@ void LightPlanes::add_pass(const GBuffer& picture, const View& view, const Depth
   store.set_scene(picture, view, key, ground, look);
   store.frame.sky = &sky_view;
   store.frame.planes = sums_.data();
-  store.run(lane_light_kernels().floor_shadow, key.size / 2);
-  store.run(lane_light_kernels().accumulate, picture.height);
+  store.run(state_->kernels.floor_shadow, key.size / 2);
+  store.run(state_->kernels.accumulate, picture.height);
   store.frame.sky = nullptr;
   ++passes_;
 }
@@ -256,17 +256,11 @@ Image LightPlanes::finish_still(const Look& look) {
   store.set_output(store.frame.width, store.frame.height, store.frame.stride, look);
   store.frame.planes = sums_.data();
   store.frame.passes = static_cast<float>(passes_);
-  store.run(lane_light_kernels().resolve, store.frame.height);
+  store.run(state_->kernels.resolve, store.frame.height);
   passes_ = 0;
   return store.image(store.frame.packed);
 }
 
 std::string light_lanes() { return lane_light_target(); }
-
-Image light_reference(const GBuffer& picture, const View& view, const DepthMap& key,
-                      const GroundMap& ground, const Look& look) {
-  FrameStore store;
-  return light_with(reference_light_kernels(), store, picture, view, key, ground, look);
-}
 
 }  // namespace rend

@@ -17,10 +17,13 @@ namespace rend {
 /// The instruction set that lights pictures on this processor, e.g. "AVX3".
 std::string light_lanes();
 
-/// Lights pictures and keeps its working planes from one to the next.
+/// Lights pictures and stills, and keeps its working planes from one to the next.
 class LightPlanes {
  public:
-  LightPlanes();
+  enum class Arithmetic { lanes, reference };
+
+  /// `reference` works one pixel at a time in double precision: what the lanes are tested against.
+  explicit LightPlanes(Arithmetic arithmetic = Arithmetic::lanes);
   ~LightPlanes();
 
   /// Lights one picture. `key` is the depth map of the key light, `ground` the ambient light on the
@@ -43,10 +46,5 @@ class LightPlanes {
   std::vector<float>
       sums_;  ///< mesh red, green, blue, coverage; floor ambient, floor key; each stride * height
 };
-
-/// The light of LightPlanes::light, one pixel at a time in double precision: what the lanes are
-/// tested against.
-Image light_reference(const GBuffer& picture, const View& view, const DepthMap& key,
-                      const GroundMap& ground, const Look& look);
 
 }  // namespace rend

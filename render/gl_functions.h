@@ -10,9 +10,10 @@
   X(AttachShader, ATTACHSHADER)                                                                    \
   X(BindBuffer, BINDBUFFER)                                                                        \
   X(BindFramebuffer, BINDFRAMEBUFFER)                                                              \
-  X(BindRenderbuffer, BINDRENDERBUFFER) X(BindVertexArray, BINDVERTEXARRAY) X(                     \
-      BufferData, BUFFERDATA) X(CheckFramebufferStatus, CHECKFRAMEBUFFERSTATUS) X(Clear, CLEAR)    \
-      X(ClearBufferfv, CLEARBUFFERFV) X(ClearBufferuiv, CLEARBUFFERUIV)                            \
+  X(BindRenderbuffer, BINDRENDERBUFFER)                                                            \
+  X(BindVertexArray, BINDVERTEXARRAY) X(BufferData, BUFFERDATA)                                    \
+      X(CheckFramebufferStatus, CHECKFRAMEBUFFERSTATUS) X(Clear, CLEAR) X(                         \
+          ClearBufferfv, CLEARBUFFERFV) X(ClearBufferuiv, CLEARBUFFERUIV)                          \
           X(CompileShader, COMPILESHADER) X(CreateProgram, CREATEPROGRAM) X(                       \
               CreateShader, CREATESHADER) X(CullFace, CULLFACE) X(DeleteShader, DELETESHADER)      \
               X(DepthFunc, DEPTHFUNC) X(Disable, DISABLE) X(DrawArrays, DRAWARRAYS) X(             \

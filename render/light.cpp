@@ -208,6 +208,18 @@ struct FrameStore {
 struct LightPlanes::State {
   const LightKernels& kernels;
   FrameStore store{};
+
+  /// All that shading reads.
+  void prepare(const GBuffer& picture, const View& view, const DepthMap& key,
+               const GroundMap& ground, const Look& look, bool occlusion) {
+    store.set_output(picture.width, picture.height, picture.stride, look);
+    store.set_scene(picture, view, key, ground, look);
+    store.run(kernels.floor_shadow, key.size / 2);
+    if (!occlusion) return;
+    store.set_half_planes();
+    for (const auto rows : {kernels.half_depth, kernels.occlusion, kernels.blur})
+      store.run(rows, store.frame.half_height);
+  }
 };
 
 LightPlanes::LightPlanes(Arithmetic arithmetic)
@@ -217,36 +229,26 @@ LightPlanes::~LightPlanes() = default;
 
 Image LightPlanes::light(const GBuffer& picture, const View& view, const DepthMap& key,
                          const GroundMap& ground, const Look& look) {
-  const LightKernels& kernels = state_->kernels;
-  FrameStore& store = state_->store;
-  store.set_output(picture.width, picture.height, picture.stride, look);
-  store.set_scene(picture, view, key, ground, look);
-  store.set_half_planes();
-  const LightFrame& f = store.frame;
-  store.run(kernels.floor_shadow, key.size / 2);
-  store.run(kernels.half_depth, f.half_height);
-  store.run(kernels.occlusion, f.half_height);
-  store.run(kernels.blur, f.half_height);
-  store.run(kernels.shade, f.height);
-  store.run(kernels.smooth_edges, f.height);
-  return store.image(f.smooth);
+  state_->prepare(picture, view, key, ground, look, true);
+  const FrameStore& store = state_->store;
+  store.run(state_->kernels.shade, store.frame.height);
+  store.run(state_->kernels.smooth_edges, store.frame.height);
+  return store.image(store.frame.smooth);
 }
 
 void LightPlanes::add_pass(const GBuffer& picture, const View& view, const DepthMap& key,
-                           const GroundMap& ground, const DepthMap& sky, const Look& look) {
+                           const GroundMap& ground, const DepthMap* sky, const Look& look) {
   const std::size_t plane =
       static_cast<std::size_t>(picture.stride) * static_cast<std::size_t>(picture.height);
   if (passes_ == 0) sums_.assign(6 * plane + kLanePad, 0.0f);
   if (sums_.size() != 6 * plane + kLanePad) throw Error("still", "passes differ in size");
-  const MapView sky_view = map_view(sky);
-  FrameStore& store = state_->store;
-  store.set_output(picture.width, picture.height, picture.stride, look);
-  store.set_scene(picture, view, key, ground, look);
-  store.frame.sky = &sky_view;
-  store.frame.planes = sums_.data();
-  store.run(state_->kernels.floor_shadow, key.size / 2);
-  store.run(state_->kernels.accumulate, picture.height);
-  store.frame.sky = nullptr;
+  state_->prepare(picture, view, key, ground, look, sky == nullptr);
+  LightFrame& f = state_->store.frame;
+  const MapView sky_view = sky ? map_view(*sky) : MapView{};
+  f.sky = sky ? &sky_view : nullptr;
+  f.planes = sums_.data();
+  state_->store.run(state_->kernels.accumulate, f.height);
+  f.sky = nullptr;
   ++passes_;
 }
 

@@ -325,12 +325,8 @@ REND_LANES Lit light_lanes(const LightFrame& f, int x, int y) {
     const V3 at = to_map(f.key, p);
     const F shadow =
         plane_sample(f.floor_shadow, f.key.size / 2, at.x * 0.5f, at.y * 0.5f, on_floor);
-    F ambient = open;
-    if (f.sky)
-      ambient = map_visibility(*f.sky, to_map(*f.sky, p), on_floor, nullptr, 0) *
-                (2 * f.sky_direction[1]);
     const F key = shadow * (0.75f + 0.25f * open);
-    lit.ambient = select(on_floor, 1.0f + (ambient - 1.0f) * fade, num(1));
+    lit.ambient = select(on_floor, 1.0f + (open - 1.0f) * fade, num(1));
     lit.key = select(on_floor, 1.0f + (key - 1.0f) * fade, num(1));
   }
   if (!any_mesh) return lit;

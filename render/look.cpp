@@ -28,12 +28,12 @@ Rgb scaled(const Rgb& c, float s) { return {c[0] * s, c[1] * s, c[2] * s}; }
 Look make_look(const DrawList& list, const View& view, const Vec3f& center, float radius) {
   Look look;
   const bool dark = list.theme == Theme::dark;
-  look.key_direction = studio_direction(view, 0.72f, 1.0f, 0.35f);
+  look.key_direction = studio_direction(view, 0.68f, 1.0f, 0.55f);
   look.rim_direction = studio_direction(view, -0.63f, 0.40f, -0.73f);
   look.sky_direction = Vec3f(0, 1, 0);
-  look.key = dark ? Rgb{1.80f, 1.66f, 1.44f} : Rgb{1.85f, 1.70f, 1.46f};
+  look.key = dark ? Rgb{1.80f, 1.66f, 1.44f} : Rgb{1.95f, 1.79f, 1.53f};
   look.rim = dark ? Rgb{0.42f, 0.50f, 0.62f} : Rgb{0.34f, 0.40f, 0.48f};
-  look.sky = dark ? Rgb{0.24f, 0.27f, 0.32f} : Rgb{0.44f, 0.46f, 0.50f};
+  look.sky = dark ? Rgb{0.24f, 0.27f, 0.32f} : Rgb{0.40f, 0.42f, 0.46f};
   look.bounce = dark ? Rgb{0.075f, 0.075f, 0.08f} : Rgb{0.25f, 0.23f, 0.205f};
   look.fill = dark ? Rgb{0.07f, 0.07f, 0.07f} : Rgb{0.10f, 0.095f, 0.09f};
   look.exposure = 0.78f;
@@ -46,7 +46,7 @@ Look make_look(const DrawList& list, const View& view, const Vec3f& center, floa
   look.floor_fade = 4.0f * radius;
   look.occlusion_radius = std::min(0.36f * view.half_height, 0.36f * radius);
 
-  look.gloss = {0.10f, 0.02f, 0.05f, 0.10f};
+  look.gloss = {0.15f, 0.02f, 0.05f, 0.10f};
   look.fresnel = {0.30f, 0.07f, 0.20f, 0.22f};
 
   look.albedo.resize(1024);

@@ -20,6 +20,7 @@ namespace {
 
 constexpr int kMaxSide = 8192, kMaxPasses = 1024;
 constexpr int kLiveMap = 512, kStillMap = 1024;
+constexpr int kFullSkyPasses = 32;  ///< fewer directions of the sky would show as separate shadows
 
 float to_unit(const Coloring& coloring, float value) {
   const float span = coloring.high - coloring.low;
@@ -159,6 +160,7 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
     image = s.light.light(s.picture, view, s.key, ground, look);
   } else {
     const Look open = look;
+    const bool full_sky = options.accumulate >= kFullSkyPasses;
     for (int pass = 0; pass < options.accumulate; ++pass) {
       const auto pixel = plane_point(pass), lamp = plane_point(pass + 7919),
                  dome = plane_point(pass + 104729);
@@ -171,16 +173,18 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
       // The passes together make the area light; each needs only the blur that hides the step to
       // the next.
       look.key_radius = 1.5f * open.key_radius / std::sqrt(static_cast<float>(options.accumulate));
-      const float height = dome[0], around = 2 * std::numbers::pi_v<float> * dome[1];
-      const float flat = std::sqrt(std::max(0.0f, 1 - height * height));
-      look.sky_direction =
-          Vec3f(flat * std::cos(around), std::max(height, 0.02f), flat * std::sin(around))
-              .normalized();
       s.draw_key(casters, kStillMap, look);
-      s.sky.size = kLiveMap;
-      s.raster.draw_depth(make_light_box(look.sky_direction, casters), s.sky);
+      if (full_sky) {
+        const float height = dome[0], around = 2 * std::numbers::pi_v<float> * dome[1];
+        const float flat = std::sqrt(std::max(0.0f, 1 - height * height));
+        look.sky_direction =
+            Vec3f(flat * std::cos(around), std::max(height, 0.02f), flat * std::sin(around))
+                .normalized();
+        s.sky.size = kLiveMap;
+        s.raster.draw_depth(make_light_box(look.sky_direction, casters), s.sky);
+      }
       s.raster.draw(view, s.picture);
-      s.light.add_pass(s.picture, view, s.key, ground, s.sky, look);
+      s.light.add_pass(s.picture, view, s.key, ground, full_sky ? &s.sky : nullptr, look);
     }
     image = s.light.finish_still(open);
   }

@@ -63,13 +63,14 @@ Image light(const Stage& s, Arithmetic arithmetic = Arithmetic::lanes) {
   return LightPlanes(arithmetic).light(s.picture, s.view, s.key, s.ground, s.look);
 }
 
-/// Two passes; the key's own map stands in for that of the sky.
+/// Two passes, one with occlusion and one for which the key's own map stands in for that of the
+/// sky.
 Image still(const Stage& s, Arithmetic arithmetic = Arithmetic::lanes) {
   LightPlanes planes(arithmetic);
   Look look = s.look;
   look.sky_direction = look.key_direction;
-  for (int pass = 0; pass < 2; ++pass)
-    planes.add_pass(s.picture, s.view, s.key, s.ground, s.key, look);
+  for (const DepthMap* sky : {static_cast<const DepthMap*>(nullptr), &s.key})
+    planes.add_pass(s.picture, s.view, s.key, s.ground, sky, look);
   return planes.finish_still(look);
 }
 

@@ -18,7 +18,10 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
 
-ProgressLine::ProgressLine(std::string what) : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0) {}
+ProgressLine::ProgressLine(std::string what) : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0) {
+  // Short work says nothing where lines cannot be taken back.
+  if (!terminal_) last_ = start_;
+}
 
 ProgressLine::~ProgressLine() {
   if (open_) std::fputs("\n", stderr);

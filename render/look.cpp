@@ -35,7 +35,7 @@ Look make_look(const DrawList& list, const View& view, const Vec3f& center, floa
   look.rim = dark ? Rgb{0.42f, 0.50f, 0.62f} : Rgb{0.34f, 0.40f, 0.48f};
   look.sky = dark ? Rgb{0.24f, 0.27f, 0.32f} : Rgb{0.40f, 0.42f, 0.46f};
   look.bounce = dark ? Rgb{0.075f, 0.075f, 0.08f} : Rgb{0.25f, 0.23f, 0.205f};
-  look.fill = dark ? Rgb{0.07f, 0.07f, 0.07f} : Rgb{0.10f, 0.095f, 0.09f};
+  look.fill = dark ? Rgb{0.10f, 0.10f, 0.10f} : Rgb{0.20f, 0.19f, 0.175f};
   look.exposure = 0.78f;
   look.backdrop_center = hex_color(dark ? 0x2e3339 : 0xf7f7f6);
   look.backdrop_edge = hex_color(dark ? 0x191c20 : 0xd5d8db);

@@ -6,7 +6,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <unordered_map>
+#include <numeric>
+#include <span>
 #include <unordered_set>
 
 namespace rend {
@@ -42,7 +43,8 @@ class Clipper {
         samples_(samples),
         count_(Index(cells.tets.size())),
         verdict_(cells.tets.size()),
-        kept_(cells.tets.size()) {
+        kept_(cells.tets.size()),
+        flips_(cells.tets.size(), 0) {
     judge(solid);
     fill_enclosed_gaps();
   }
@@ -52,7 +54,7 @@ class Clipper {
     for (int round = 0; round < 60; ++round) {
       const SkinDefects defects = find_skin_defects(skin());
       if (defects.edges.empty() && defects.vertices.empty()) break;
-      index_incident_cells(defects);
+      if (incident_.empty()) index_incident_cells();
       changed_vertices_.clear();
       const int before = changed;
       for (const Edge& e : defects.edges) {
@@ -60,7 +62,8 @@ class Clipper {
         changed += mend(around_edge(e));
       }
       for (Index v : defects.vertices)
-        if (!changed_vertices_.count(v)) changed += mend(incident_.at(v));
+        if (!changed_vertices_.count(v))
+          changed += mend(CellList(incident(v).begin(), incident(v).end()));
       if (changed == before) break;
     }
     return changed;
@@ -94,35 +97,43 @@ class Clipper {
     const SolidCells inside(solid, h, 0);
     parallel_for(count_, 2048, [&](Index c) {
       const Shape s = shape_of(tet(c), samples_.X);
-      const auto on_surface = [&](Index v) {
+      const Real size = s.volume / (h * h * h);
+      const bool all_surface = std::all_of(tet(c).begin(), tet(c).end(), [&](Index v) {
         return samples_.kind[std::size_t(v)] != SampleKind::interior;
-      };
+      });
       Verdict& verdict = verdict_[std::size_t(c)];
-      if (!inside.inside(s.centroid)) {
+      if (all_surface && size < 1e-6)
+        verdict = Verdict::flat;
+      else if (!inside.inside(s.centroid))
         verdict = Verdict::out;
-      } else if (std::all_of(tet(c).begin(), tet(c).end(), on_surface)) {
-        if (s.volume < 1e-9 * h * h * h)
-          verdict = Verdict::flat;
-        else
-          verdict = !on_one_sheet(tet(c)) || inside.inside(s.circumcentre) ? Verdict::in
-                                                                           : Verdict::doubtful;
-      } else {
-        verdict = Verdict::in;
-      }
+      else
+        verdict = all_surface && bulges_out(tet(c), s, size) ? Verdict::doubtful : Verdict::in;
       kept_[std::size_t(c)] = verdict == Verdict::in;
     });
   }
 
-  bool on_one_sheet(const Tet& t) const {
+  // Whether the tet lies along one sheet of the surface, with its circumcentre on the outer side.
+  // The side is told by normals: the circumcentre of a flat tet may be so far in that it comes out
+  // at the back.
+  bool bulges_out(const Tet& t, const Shape& s, Real size) const {
+    // Across a crease the normals differ more; there a tet spans the edge and must stay.
+    const bool at_crease = std::any_of(t.begin(), t.end(), [&](Index v) {
+      return samples_.kind[std::size_t(v)] == SampleKind::crease;
+    });
+    const Real alike = at_crease ? 0.9 : 0.5;
     int with_normal = 0;
-    for (Index a : t)
-      for (Index b : t) {
-        const Vec3 &n = samples_.normal[std::size_t(a)], &m = samples_.normal[std::size_t(b)];
-        if (n.isZero() || m.isZero()) continue;
-        if (n.dot(m) < 0.5) return false;
-        with_normal += a == b;
-      }
-    return with_normal >= 2;
+    Vec3 mean = Vec3::Zero();
+    for (Index a : t) {
+      const Vec3& n = samples_.normal[std::size_t(a)];
+      if (n.isZero()) continue;
+      ++with_normal;
+      mean += n;
+      for (Index b : t)
+        if (const Vec3& m = samples_.normal[std::size_t(b)]; !m.isZero() && n.dot(m) < alike)
+          return false;
+    }
+    if (with_normal == 0 || (with_normal == 1 && size > 1e-3)) return false;
+    return (s.circumcentre - s.centroid).dot(mean) > 0;
   }
 
   // Dropped tets that the outside cannot reach are holes of the rule, not of the solid.
@@ -156,18 +167,23 @@ class Clipper {
     return faces;
   }
 
-  void index_incident_cells(const SkinDefects& defects) {
-    incident_.clear();
-    for (const Edge& e : defects.edges)
-      for (Index v : e) incident_[v];
-    for (Index v : defects.vertices) incident_[v];
+  void index_incident_cells() {
+    first_incident_.assign(samples_.X.size() + 1, 0);
+    for (const Tet& t : cells_.tets)
+      for (Index v : t) ++first_incident_[std::size_t(v) + 1];
+    std::partial_sum(first_incident_.begin(), first_incident_.end(), first_incident_.begin());
+    incident_.resize(4 * cells_.tets.size());
+    auto next = first_incident_;
     for (Index c = 0; c < count_; ++c)
-      for (Index v : tet(c))
-        if (const auto at = incident_.find(v); at != incident_.end()) at->second.push_back(c);
+      for (Index v : tet(c)) incident_[std::size_t(next[std::size_t(v)]++)] = c;
+  }
+  std::span<const Index> incident(Index v) const {
+    const auto begin = std::size_t(first_incident_[std::size_t(v)]);
+    return {incident_.data() + begin, std::size_t(first_incident_[std::size_t(v) + 1]) - begin};
   }
   CellList around_edge(const Edge& e) const {
     CellList ring;
-    for (Index c : incident_.at(e[0]))
+    for (Index c : incident(e[0]))
       if (std::find(tet(c).begin(), tet(c).end(), e[1]) != tet(c).end()) ring.push_back(c);
     return ring;
   }
@@ -199,11 +215,7 @@ class Clipper {
     Real best_cost = 1e300;
     for (const CellList& g : all) {
       if (is_kept(g.front()) && (kept_groups < 2 || loses_sample(g))) continue;
-      Real cost = 0;
-      for (Index c : g)
-        cost += shape_of(tet(c), samples_.X).volume *
-                (verdict_[std::size_t(c)] == Verdict::out ? 4 : 1);
-      if (!is_kept(g.front()) && touches_hull(g)) cost *= 2;
+      const Real cost = flip_cost(g);
       if (cost < best_cost) {
         best_cost = cost;
         best = &g;
@@ -213,26 +225,32 @@ class Clipper {
     const bool keep = !is_kept(best->front());
     for (Index c : *best) {
       kept_[std::size_t(c)] = keep;
+      ++flips_[std::size_t(c)];
       changed_vertices_.insert(tet(c).begin(), tet(c).end());
     }
     return int(best->size());
   }
-  bool touches_hull(const CellList& g) const {
-    return std::any_of(g.begin(), g.end(), [&](Index c) {
-      const auto& n = cells_.neighbours[std::size_t(c)];
-      return std::find(n.begin(), n.end(), -1) != n.end();
-    });
+  // Volume changed [m3], weighed: tets without volume are no use to anybody who computes with them.
+  Real flip_cost(const CellList& g) const {
+    const Real h = samples_.spacing;
+    const bool adds = !is_kept(g.front());
+    Real cost = 0;
+    for (Index c : g) {
+      const Verdict v = verdict_[std::size_t(c)];
+      const Real volume = shape_of(tet(c), samples_.X).volume +
+                          (adds && v == Verdict::flat ? 2e-3 : 1e-6) * h * h * h;
+      cost += volume * (v == Verdict::out ? 4 : 1) * (1 + 10 * flips_[std::size_t(c)]);
+    }
+    return cost;
   }
   bool loses_sample(const CellList& g) const {
-    std::unordered_set<Index> vertices;
-    for (Index c : g) vertices.insert(tet(c).begin(), tet(c).end());
-    // Exact only for the indexed vertices; the others are checked over all tets once, at the end.
-    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
-      const auto at = incident_.find(v);
-      return at != incident_.end() &&
-             std::all_of(at->second.begin(), at->second.end(), [&](Index c) {
-               return !is_kept(c) || std::find(g.begin(), g.end(), c) != g.end();
-             });
+    return std::any_of(g.begin(), g.end(), [&](Index dropped) {
+      return std::any_of(tet(dropped).begin(), tet(dropped).end(), [&](Index v) {
+        const auto around = incident(v);
+        return std::all_of(around.begin(), around.end(), [&](Index c) {
+          return !is_kept(c) || std::find(g.begin(), g.end(), c) != g.end();
+        });
+      });
     });
   }
 
@@ -241,7 +259,8 @@ class Clipper {
   Index count_;
   std::vector<Verdict> verdict_;
   std::vector<char> kept_;
-  std::unordered_map<Index, CellList> incident_;
+  std::vector<int> flips_;                        // makes undoing dear, so that mending ends
+  std::vector<Index> first_incident_, incident_;  // tets around each sample
   // Defects at these vertices are judged anew in the next round.
   std::unordered_set<Index> changed_vertices_;
 };

@@ -17,10 +17,9 @@ struct ClippedTets {
   int open_defects = 0;        ///< skin edges and vertices that are still not manifold
 };
 
-/// Keeps a tet when its centroid is inside and, when all its corners are surface samples facing
-/// alike, its circumcentre is inside too: without the second condition concave surfaces fill up
-/// with flat tets, and with it thin walls and wedges, whose corners face differently, would fall
-/// apart. Then makes the skin manifold.
+/// Keeps a tet when its centroid is inside and, when its corners are surface samples that face
+/// alike, its circumcentre is on their inner side: without the second condition concave surfaces
+/// fill up with flat tets. Then makes the skin manifold.
 ClippedTets clip_to_solid(const DelaunayCells& cells, const Samples& samples, const Solid& solid);
 
 /// Outward face opposite vertex k of a positive tet.

@@ -4,6 +4,7 @@
 #include "engine/core/error.h"
 #include "engine/mesh/body.h"
 #include "engine/mesh/repair.h"
+#include "engine/mesh/strength_field.h"
 #include "engine/scene/motion.h"
 
 #include <fmt/format.h>
@@ -137,6 +138,7 @@ Model build_model(const SceneDesc& scene, double memory_limit, const Progress& p
     append(scene, b, at_body(b, [&] { return build_body(*solids[b].solid, options, relaxation); }),
            model);
   }
+  model.strength = strength_factors(scene, model);
   report("done", 1);
   return model;
 }

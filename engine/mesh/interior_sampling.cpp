@@ -27,16 +27,24 @@ std::vector<Cube> split_uncovered(const std::vector<Cube>& cubes, Real side, Rea
   const Index grain = 1024, count = Index(cubes.size());
   std::vector<std::vector<Cube>> part(std::size_t((count + grain - 1) / grain));
   const Real half = 0.5 * side, r2 = radius * radius;
-  const auto covered = [&](const Vec3& low, Real edge) {
-    return grid.any_near(low + Vec3::Constant(0.5 * edge), [&](Index i, Real d2) {
-      return d2 < r2 && farthest_squared(grid.points()[std::size_t(i)], low, edge) < r2;
-    });
-  };
   parallel_chunks(count, grain, [&](Index begin, Index end) {
     std::vector<Cube>& out = part[std::size_t(begin / grain)];
+    std::vector<Vec3> near;
+    const auto covered = [&](const Vec3& low, Real edge) {
+      return std::any_of(near.begin(), near.end(),
+                         [&](const Vec3& p) { return farthest_squared(p, low, edge) < r2; });
+    };
     for (Index i = begin; i < end; ++i) {
       const Cube& cube = cubes[std::size_t(i)];
-      if (covered(cube.low, side)) continue;
+      near.clear();
+      // One look-up for the cube and its children.
+      const bool done = grid.any_near(cube.low + Vec3::Constant(half), [&](Index p, Real d2) {
+        const Vec3& x = grid.points()[std::size_t(p)];
+        if (d2 < r2 && farthest_squared(x, cube.low, side) < r2) return true;
+        if (d2 < 1.5 * r2) near.push_back(x);
+        return false;
+      });
+      if (done) continue;
       for (int c = 0; c < 8; ++c) {
         const Vec3 low = cube.low + half * Vec3(c & 1, c >> 1 & 1, c >> 2 & 1);
         if (covered(low, half)) continue;
@@ -67,7 +75,8 @@ void add_poisson_disk(const Solid& solid, Real radius, Real depth, std::uint64_t
           active.push_back({cells.lattice().corner({x, y, z}), s == SolidCells::deep});
   Real side = cells.lattice().side;
   const Real r2 = radius * radius;
-  for (int round = 0; round < 4 && !active.empty(); ++round) {
+  const int rounds = 4;
+  for (int round = 1; !active.empty(); ++round) {
     for (std::size_t i = active.size(); i > 1; --i)
       std::swap(active[i - 1], active[std::size_t(random.next() * Real(i))]);
     for (const Cube& cube : active) {
@@ -77,6 +86,7 @@ void add_poisson_disk(const Solid& solid, Real radius, Real depth, std::uint64_t
       grid.add(x);
       samples.add(x, SampleKind::interior);
     }
+    if (round == rounds) break;
     active = split_uncovered(active, side, radius, grid, cells);
     side *= 0.5;
   }

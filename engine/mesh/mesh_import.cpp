@@ -61,7 +61,13 @@ TriangleSurface decode(const std::string& stream, const std::string& name) {
   const std::uint64_t rest = stream.size() - sizeof header;
   if (header.magic != mesh_stream_magic)
     fail(name, "is damaged: the mesh loader answered nonsense");
-  if (header.is_error) fail(name, "cannot be read: " + printable(stream.substr(sizeof header)));
+  if (header.is_error) {
+    std::string reason = printable(stream.substr(sizeof header));
+    if (reason.find("referenced file") != reason.npos)
+      reason += "; a mesh must be complete in one file (glb, or gltf with embedded buffers)";
+    if (reason.find("bad_alloc") != reason.npos) reason = "that takes too much memory";
+    fail(name, "cannot be read: " + reason);
+  }
   if (header.vertices > rest / 12 || header.triangles > rest / 12 ||
       12 * (header.vertices + header.triangles) != rest || header.vertices > 0x7fffffff)
     fail(name, "is damaged: the mesh loader answered nonsense");

@@ -70,8 +70,7 @@ void settle_shells(TriangleSurface& surface, Notes& notes) {
   std::vector<Shell> shells = split_shells(surface);
   const Real largest = std::abs(shells.front().volume);
   if (!(largest > 1e-9 * cube))
-    throw Error("file", fmt::format("is not a solid: its {} encloses no volume",
-                                    shells.size() == 1 ? "surface" : "pieces of surface"));
+    throw Error("file", "is not a solid: its surface encloses no volume");
   const auto tiny = std::find_if(shells.begin(), shells.end(), [&](const Shell& s) {
     return std::abs(s.volume) < tiny_share * largest;
   });

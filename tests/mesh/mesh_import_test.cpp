@@ -128,6 +128,16 @@ TEST_CASE("an OBJ with a foreign material library is read without it") {
   CHECK(o.seconds < 4);
 }
 
+TEST_CASE("a glTF file that needs other files is refused with advice") {
+  const std::string gltf =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,)"
+      R"("componentType":5126,"count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+      R"("buffers":[{"uri":"/etc/passwd","byteLength":36}]})";
+  CHECK(attempt(gltf, "a.gltf", quick()).why.find("must be complete in one file") !=
+        std::string::npos);
+}
+
 TEST_CASE("a loader that is missing, hangs or dies is told apart and leaves no process") {
   MeshLoading loading = quick(0.3);
   loading.loader = "/nowhere/rend-meshload";

@@ -53,7 +53,7 @@ void Pipeline::apply(const SceneDesc& changed) {
 
 void Pipeline::remesh(const FractureDesc& settings, std::vector<Frame>& recorded) {
   scene_.fracture = settings;
-  fracture_ = FractureMesh(scene_, *model_);
+  fracture_ = fracture_.fresh(settings);
   for (Frame& frame : recorded) frame = mesh_frame(fracture_, frame.snapshot);
 }
 

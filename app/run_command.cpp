@@ -72,11 +72,14 @@ int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_director
   const auto files = recorded_files(run_directory);
   const auto model = prepare_model(scene);
   const std::uint64_t wanted = fingerprint(*model);
-  FractureMesh fracture(scene, *model);
   const Stage stage = make_stage(scene, *model);
   RunDirectory directory(options, stage, *model);
   const Clock::time_point start = Clock::now();
   ProgressLine line("remeshing");
+  // First what breaks when, then the surfaces: crack faces are smoothed knowing how the run ends.
+  FractureMesh live(scene, *model);
+  for (const auto& file : files) live.update(read_snapshot(file, wanted));
+  FractureMesh fracture = live.playback(live.break_table());
   for (std::size_t n = 0; n < files.size(); ++n) {
     auto snapshot = std::make_shared<const Snapshot>(read_snapshot(files[n], wanted));
     directory.write(mesh_frame(fracture, std::move(snapshot)));

@@ -12,9 +12,9 @@ namespace rend {
 namespace {
 
 constexpr Index grain = 4096;
-// |sum of normals| / sum of |normals| below which a vertex lies on a fold (two sheets at about 74
-// degrees).
-constexpr float fold = 0.8f;
+// |sum of normals| / sum of |normals| below which a vertex lies on a fold: skin at about 74
+// degrees, crack faces, which would look like confetti, only where they nearly turn back.
+constexpr float skin_fold = 0.8f, crack_fold = 0.45f;
 
 struct RigidMotion {
   Mat3 R;
@@ -173,6 +173,7 @@ class Builder {
     parallel_for(vertex_count_, grain, [&](Index v) {
       const Vec3f n = sum[v].head<3>();
       const float length = n.norm();
+      const float fold = v < skin_vertices_ || out_.crease[v] ? skin_fold : crack_fold;
       if (length < fold * sum[v][3]) out_.crease[v] = 1;
       out_.normal[v] = length > 0 ? Vec3f(n / length) : Vec3f::UnitY();
     });

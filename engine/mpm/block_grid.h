@@ -19,6 +19,8 @@ struct GridNode {
 struct NodeVelocity {
   Vec3 v = Vec3::Zero();       ///< after forces and contact [m/s]
   Vec3 change = Vec3::Zero();  ///< v - v^n [m/s]
+  Vec3 series = Vec3::Zero();  ///< what XPIC adds to v [m/s]
+  bool held = false;           ///< met a collider
 };
 
 /// Nodes lie at integer multiples of dx from the world origin. A particle belongs to the block of

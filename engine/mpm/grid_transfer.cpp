@@ -71,11 +71,27 @@ struct Loops {
                                       B += wv * r.transpose();
                                     if constexpr (form == ForceForm::gradient)
                                       out.gradient += node.v * g.transpose();
-                                    sums.add(w, node);
+                                    sums.add(w, node, r);
                                   });
       if constexpr (form == ForceForm::mls) out.gradient = B / inertia;
       Scheme::receive(sums, out.pic, B, inertia, solver, particles, p);
       sample[n - block.begin] = out;
+    }
+  }
+
+  static void project(const BlockGrid::ParticleBlock& block, const BlockGrid& grid,
+                      const Particles& particles, Real dx, const Vec3* velocity, Vec3* momentum) {
+    for (Index n = block.begin; n < block.end; ++n) {
+      const auto i = static_cast<std::size_t>(grid.order()[static_cast<std::size_t>(n)]);
+      Vec3 v = Vec3::Zero();
+      const auto each = [&](auto&& f) {
+        for_each_node<Kernel, ForceForm::mls>(
+            block, particles.x[i], dx,
+            [&](Index at, Real w, const Vec3&, const Vec3&) { f(at, w); });
+      };
+      each([&](Index at, Real w) { v += w * velocity[at]; });
+      v *= particles.mass[i];
+      each([&](Index at, Real w) { momentum[at] += w * v; });
     }
   }
 };
@@ -83,7 +99,7 @@ struct Loops {
 template <class Kernel, class Scheme, ForceForm form>
 GridTransfer loops() {
   using L = Loops<Kernel, Scheme, form>;
-  return {L::first_node, L::scatter, L::gather, Kernel::kInertia, Scheme::kAffine};
+  return {L::first_node, L::scatter, L::gather, L::project, Kernel::kInertia, {}};
 }
 
 template <class Kernel, class Scheme>
@@ -100,9 +116,9 @@ GridTransfer make_grid_transfer(const SolverDesc& solver) {
     using Scheme = decltype(scheme);
     made = solver.kernel == Kernel::quadratic ? loops<QuadraticKernel, Scheme>(solver.force_form)
                                               : loops<CubicKernel, Scheme>(solver.force_form);
+    made.carried = Scheme::carries(solver);
   });
-  if (!listed)
-    throw Error("/solver/transfer", "the reference solver covers pic, flip and apic so far");
+  if (!listed) throw Error("/solver/transfer", "is not in the list of transfer schemes");
   return made;
 }
 

@@ -24,8 +24,11 @@ struct GridTransfer {
   /// New velocities of the particles of a block, and a sample for each of them in order.
   void (*gather)(const ParticleBlock&, const BlockGrid&, Real dx, const SolverDesc&, Particles&,
                  GridSample*) = nullptr;
-  Real inertia = 0;     ///< D / dx^2
-  bool affine = false;  ///< particles carry C
+  /// momentum_i += w m_p sum_j w_pj velocity_j, over all nodes of the grid.
+  void (*project)(const ParticleBlock&, const BlockGrid&, const Particles&, Real dx,
+                  const Vec3* velocity, Vec3* momentum) = nullptr;
+  Real inertia = 0;      ///< D / dx^2
+  CarriedModes carried;  ///< what particles hold beyond their velocity
 };
 
 /// @throws Error when the transfer scheme is not covered.

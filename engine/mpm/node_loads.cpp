@@ -30,6 +30,12 @@ NodeLoads::Near NodeLoads::near(const Vec3& centre, Real radius) const {
   return out;
 }
 
+bool NodeLoads::meets(const Near& near, const Vec3& x) const {
+  return std::any_of(near.colliders.begin(), near.colliders.end(), [&](const PosedCollider* c) {
+    return distance_to(c->desc->shape, c->pose.to_local(x)).value <= 0;
+  });
+}
+
 Vec3 NodeLoads::apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v,
                       Real& work) const {
   if (near.pull) {

@@ -32,6 +32,9 @@ class NodeLoads {
   };
   Near near(const Vec3& centre, Real radius) const;
 
+  /// Whether a point is inside one of these colliders.
+  bool meets(const Near& near, const Vec3& x) const;
+
   /// Velocity of a node of mass m [kg] at x after pull and contact; adds their work [J] to `work`.
   Vec3 apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v, Real& work) const;
 

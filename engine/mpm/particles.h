@@ -7,11 +7,21 @@
 
 namespace rend {
 
+/// Velocity coefficients of the modes xy, yz, zx [1/(m s)] and xyz [1/(m2 s)], one column each.
+using VelocityModes = Eigen::Matrix<Real, 3, 4>;
+
+/// What a transfer scheme lets a particle hold beyond its velocity.
+struct CarriedModes {
+  bool affine = false;
+  bool multilinear = false;
+};
+
 /// Arrays over #P particles; those of a feature that the scene leaves off stay empty.
 struct Particles {
   std::vector<Vec3> x;                  ///< positions [m]
   std::vector<Vec3> v;                  ///< velocities [m/s]
   std::vector<Mat3> C;                  ///< affine velocity [1/s]; only for affine transfers
+  std::vector<VelocityModes> modes;     ///< only for PolyPIC with 8 modes
   std::vector<Mat3> F;                  ///< elastic deformation gradient [-]
   std::vector<Mat3> tau;                ///< Kirchhoff stress of F [Pa]
   std::vector<Real> tau_c;              ///< state of the material law, see material_response

@@ -47,7 +47,7 @@ void ReferenceSolver::fill_report(FrameReport& report) const {
     one.mass = m;
     one.momentum = m * v;
     one.angular = m * x.cross(v);
-    if (transfer_.affine) {
+    if (transfer_.carried.affine) {
       // sum_i w r x (C r) with sum_i w r r^T = D 1.
       const Mat3& C = particles_.C[i];
       one.angular += m * inertia * Vec3(C(2, 1) - C(1, 2), C(0, 2) - C(2, 0), C(1, 0) - C(0, 1));
@@ -84,6 +84,7 @@ std::uint64_t ReferenceSolver::state_hash() const {
   hash = hash_values(hash, particles_.x);
   hash = hash_values(hash, particles_.v);
   hash = hash_values(hash, particles_.C);
+  hash = hash_values(hash, particles_.modes);
   hash = hash_values(hash, particles_.F);
   return hash_values(hash, particles_.tau_c);
 }
@@ -125,6 +126,7 @@ void ReferenceSolver::save(std::ostream& out) const {
   writer.put(particles_.x);
   writer.put(particles_.v);
   writer.put(particles_.C);
+  writer.put(particles_.modes);
   writer.put(particles_.F);
   writer.put(particles_.tau);
   writer.put(particles_.tau_c);
@@ -155,6 +157,7 @@ void ReferenceSolver::load(std::istream& in) {
   reader.get(state.particles.x, count);
   reader.get(state.particles.v, count);
   reader.get(state.particles.C, particles_.C.size());
+  reader.get(state.particles.modes, particles_.modes.size());
   reader.get(state.particles.F, count);
   reader.get(state.particles.tau, count);
   reader.get(state.particles.tau_c, count);
@@ -175,8 +178,9 @@ void ReferenceSolver::load(std::istream& in) {
 }
 
 double ReferenceSolver::bytes_per_particle() const {
-  const Real each = sizeof(Vec3) * 2 + sizeof(Mat3) * (transfer_.affine ? 3 : 2) +
-                    sizeof(Real) * 3 + sizeof(std::uint16_t) + sizeof(std::uint8_t);
+  const Real each = sizeof(Vec3) * 2 + sizeof(Mat3) * (transfer_.carried.affine ? 3 : 2) +
+                    (transfer_.carried.multilinear ? sizeof(VelocityModes) : 0) + sizeof(Real) * 3 +
+                    sizeof(std::uint16_t) + sizeof(std::uint8_t);
   const Real count = std::max<Real>(1, particles_.count());
   return 2 * each + sizeof(Vec3i) + (strength_.empty() ? 0 : sizeof(float)) + grid_.bytes() / count;
 }

@@ -6,6 +6,7 @@
 #include "engine/core/small_matrix.h"
 #include "engine/mpm/node_loads.h"
 #include "engine/mpm/scene_hash.h"
+#include "engine/mpm/xpic_series.h"
 
 #include <fmt/format.h>
 
@@ -63,12 +64,13 @@ ReferenceSolver::ReferenceSolver(const SceneDesc& scene, const Model& model)
   particles_.yielded.assign(count, 0);
   particles_.tau_c.resize(count);
   particles_.mass.resize(count);
-  if (transfer_.affine) particles_.C.assign(count, Mat3::Zero());
+  if (transfer_.carried.affine) particles_.C.assign(count, Mat3::Zero());
+  if (transfer_.carried.multilinear) particles_.modes.assign(count, VelocityModes::Zero());
   for (std::size_t i = 0; i < count; ++i) {
     const Index p = static_cast<Index>(i);
     particles_.tau_c[i] = tau_c0(p);
     particles_.mass[i] = model.volume[i] * materials_[model.material[i]].desc.density;
-    if (transfer_.affine && model.body[i] < model.velocity_gradient.size())
+    if (transfer_.carried.affine && model.body[i] < model.velocity_gradient.size())
       particles_.C[i] = model.velocity_gradient[model.body[i]];
     if (!particles_.x[i].allFinite() ||
         !(particles_.x[i].cwiseAbs().maxCoeff() < dx_ * (BlockGrid::kLimit - 8)))
@@ -88,6 +90,8 @@ ReferenceSolver::StepSums ReferenceSolver::step(Real dt) {
   bin_particles();
   particles_to_grid();
   update_grid(dt);
+  if (scene_.solver.transfer == Transfer::xpic)
+    add_xpic_series(scene_.solver.xpic_order, transfer_, particles_, dx_, grid_);
   return grid_to_particles(dt);
 }
 
@@ -139,8 +143,13 @@ void ReferenceSolver::update_grid(Real dt) {
       }
       const Vec3 v_old = node[n].momentum / node[n].mass;
       Vec3 v = v_old + dt * (node[n].force / node[n].mass + gravity_);
-      if (!near.none()) v = loads.apply(near, grid_.position(b, n, dx_), node[n].mass, dt, v, work);
-      out[n] = {v, v - v_old};
+      bool held = false;
+      if (!near.none()) {
+        const Vec3 x = grid_.position(b, n, dx_);
+        v = loads.apply(near, x, node[n].mass, dt, v, work);
+        held = loads.meets(near, x);
+      }
+      out[n] = {v, v - v_old, Vec3::Zero(), held};
     }
     return work;
   });
@@ -188,7 +197,11 @@ void ReferenceSolver::respond(Index p, StepSums& sums) {
                wave_stiffness(material.lame.mu, material.lame.lambda, update.least_stress) /
                    material.desc.density);
   Real speed = particles_.v[i].norm();
-  if (transfer_.affine) speed += std::sqrt(3.0) * dx_ * particles_.C[i].norm();
+  if (transfer_.carried.affine) speed += std::sqrt(3.0) * dx_ * particles_.C[i].norm();
+  if (transfer_.carried.multilinear) {
+    speed += std::sqrt(3.0) * dx_ * dx_ * particles_.modes[i].leftCols<3>().norm() +
+             dx_ * dx_ * dx_ * particles_.modes[i].col(3).norm();
+  }
   sums.motion.speed = std::max(sums.motion.speed, speed);
 }
 
@@ -273,7 +286,8 @@ void ReferenceSolver::measure_motion() {
   const StepSums sums = ordered_sum(particles_.count(), kGrain, StepSums(), [&](Index p) {
     StepSums one;
     respond(p, one);
-    if (transfer_.affine) one.motion.gradient = particles_.C[static_cast<std::size_t>(p)].norm();
+    if (transfer_.carried.affine)
+      one.motion.gradient = particles_.C[static_cast<std::size_t>(p)].norm();
     return one;
   });
   motion_ = sums.motion;
@@ -299,7 +313,8 @@ Fault ReferenceSolver::first_bad_particle() const {
     const auto i = static_cast<std::size_t>(p);
     const bool finite = particles_.x[i].allFinite() && particles_.v[i].allFinite() &&
                         particles_.F[i].allFinite() &&
-                        (!transfer_.affine || particles_.C[i].allFinite());
+                        (!transfer_.carried.affine || particles_.C[i].allFinite()) &&
+                        (!transfer_.carried.multilinear || particles_.modes[i].allFinite());
     if (!finite) return {Status::not_finite, p};
   }
   return {};

@@ -20,7 +20,7 @@ Real wave_stiffness(Real mu, Real lambda, Real least_principal_stress) {
 
 Real stable_share(const SolverDesc& solver) {
   const bool affine = solver.transfer == Transfer::apic || solver.transfer == Transfer::rpic ||
-                      solver.transfer == Transfer::polypic;
+                      (solver.transfer == Transfer::polypic && solver.polypic_modes >= 4);
   const bool cubic = solver.kernel == Kernel::cubic;
   const Real inverse_inertia = cubic ? 3 : 4;
   const Real S = solver.force_form == ForceForm::mls ? inverse_inertia : (cubic ? 3.137 : 6.0);

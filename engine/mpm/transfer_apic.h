@@ -13,13 +13,15 @@ struct ApicTransfer {
   static constexpr Transfer kType = Transfer::apic;
   static constexpr bool kAffine = true;
 
+  static CarriedModes carries(const SolverDesc&) { return {true, false}; }
+
   static Vec3 carried(const Particles& particles, Index p, const Vec3& r) {
     const auto i = static_cast<std::size_t>(p);
     return particles.v[i] + particles.C[i] * r;
   }
 
   struct Sums {
-    void add(Real, const NodeVelocity&) {}
+    void add(Real, const NodeVelocity&, const Vec3&) {}
   };
 
   static void receive(const Sums&, const Vec3& pic, const Mat3& B, Real inertia, const SolverDesc&,

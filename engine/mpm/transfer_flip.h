@@ -14,13 +14,15 @@ struct FlipTransfer {
   static constexpr Transfer kType = Transfer::flip;
   static constexpr bool kAffine = false;
 
+  static CarriedModes carries(const SolverDesc&) { return {}; }
+
   static Vec3 carried(const Particles& particles, Index p, const Vec3&) {
     return particles.v[static_cast<std::size_t>(p)];
   }
 
   struct Sums {
     Vec3 change = Vec3::Zero();
-    void add(Real w, const NodeVelocity& node) { change += w * node.change; }
+    void add(Real w, const NodeVelocity& node, const Vec3&) { change += w * node.change; }
   };
 
   static void receive(const Sums& sums, const Vec3& pic, const Mat3&, Real,

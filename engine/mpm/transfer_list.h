@@ -4,14 +4,20 @@
 #include "engine/mpm/transfer_apic.h"
 #include "engine/mpm/transfer_flip.h"
 #include "engine/mpm/transfer_pic.h"
+#include "engine/mpm/transfer_polypic.h"
+#include "engine/mpm/transfer_rpic.h"
+#include "engine/mpm/transfer_xpic.h"
 
 #include <tuple>
 
 namespace rend {
 
-using TransferList = std::tuple<PicTransfer,   //
-                                FlipTransfer,  //
-                                ApicTransfer>;
+using TransferList = std::tuple<PicTransfer,      //
+                                FlipTransfer,     //
+                                ApicTransfer,     //
+                                RpicTransfer,     //
+                                PolyPicTransfer,  //
+                                XpicTransfer>;
 
 /// Calls f(Scheme{}) with the scheme of `type`; returns false when it is not listed.
 template <class F>

@@ -12,6 +12,9 @@ struct PicTransfer {
   static constexpr Transfer kType = Transfer::pic;
   static constexpr bool kAffine = false;
 
+  /// What a particle holds beyond its velocity.
+  static CarriedModes carries(const SolverDesc&) { return {}; }
+
   /// Velocity that particle p shows to a node at offset r = x_i - x_p.
   static Vec3 carried(const Particles& particles, Index p, const Vec3&) {
     return particles.v[static_cast<std::size_t>(p)];
@@ -19,7 +22,7 @@ struct PicTransfer {
 
   /// Sums over the nodes of one particle beyond those of GridSample.
   struct Sums {
-    void add(Real, const NodeVelocity&) {}
+    void add(Real, const NodeVelocity&, const Vec3&) {}
   };
 
   /// New velocity of particle p: `pic` = sum w v_i, B = sum w v_i r^T, inertia = D.

@@ -227,10 +227,3 @@ TEST_CASE("an advance can be cut short between steps") {
   CHECK(solver.time() < 1);
   CHECK(r.status == Status::ok);
 }
-
-TEST_CASE("schemes and forces that are not covered are refused by name") {
-  SceneDesc scene = plain_scene();
-  scene.solver.transfer = Transfer::xpic;
-  CHECK_THROWS_WITH_AS(ReferenceSolver(scene, thrown_block().model),
-                       doctest::Contains("/solver/transfer"), Error);
-}

@@ -2,7 +2,7 @@
 #include "engine/material/law_constants.h"
 
 #include "engine/material/yield_surface_list-inl.h"
-#include "engine/scene/scene_desc.h"
+#include "engine/material/material_desc.h"
 
 #include <cmath>
 #include <numbers>

@@ -4,7 +4,7 @@
 #include "engine/core/error.h"
 #include "engine/core/small_matrix.h"
 #include "engine/material/material_law-inl.h"
-#include "engine/scene/scene_desc.h"
+#include "engine/material/material_desc.h"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>

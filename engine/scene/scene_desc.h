@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/core/types.h"
-#include "engine/material/yield_surface.h"
+#include "engine/material/material_desc.h"
 
 #include <optional>
 #include <string>
@@ -16,7 +16,6 @@ enum class Transfer { pic, flip, apic, rpic, polypic, xpic };
 enum class Kernel { quadratic, cubic };
 enum class ForceForm { mls, gradient };                  ///< w D^-1 (x_i - x_p), or the exact gradient of w
 enum class DeformationUpdate { exponential, linear };    ///< exp(dt C) F, or (I + dt grad v) F
-enum class DamageType { off, zero, granular };
 enum class ForceKind { particle, mesh };                 ///< particle energy, or Lagrangian energy on the tets
 enum class Sampling { lattice, jittered, poisson };
 enum class Contact { stick, slip, separate };
@@ -40,34 +39,6 @@ struct SolverDesc {
 struct GridDesc {
   Real dx = 0;  ///< node spacing [m]; nodes lie at integer multiples from the world origin
   bool operator==(const GridDesc&) const = default;
-};
-
-struct DamageDesc {
-  DamageType type = DamageType::off;
-  Real threshold = 0.1;        ///< damaged once tau_c <= threshold * tau_c0 [-]
-  Real shear_factor = 0.3;     ///< mu of damaged material over mu [-]; lambda stays
-  Real friction_angle = 30;    ///< of damaged material [deg]
-  bool operator==(const DamageDesc&) const = default;
-};
-
-/// Strength varied in space by a seeded field tied to the rest position; off when modulus is 0.
-struct StrengthFieldDesc {
-  Real modulus = 0;  ///< Weibull modulus m [-], larger is more uniform; 0 is off
-  Real length = 0;   ///< correlation length [m]
-  bool operator==(const StrengthFieldDesc&) const = default;
-};
-
-struct MaterialDesc {
-  std::string name;
-  Real density = 1000;         ///< [kg/m3]
-  Real youngs_modulus = 1e5;   ///< [Pa]
-  Real poisson_ratio = 0.3;    ///< [-]
-  YieldSurface yield_surface;
-  SofteningRule softening_rule = SofteningRule::implicit_rule;
-  std::optional<Real> fracture_energy;  ///< [J/m2]; when given, softening was derived from it and dx (crack band)
-  DamageDesc damage;
-  StrengthFieldDesc strength_field;
-  bool operator==(const MaterialDesc&) const = default;
 };
 
 struct BoxDesc {  ///< edge lengths [m]

@@ -1,5 +1,5 @@
 // Runs the rend program.
-#include "program.h"
+#include "tests/app/program.h"
 
 #include <sys/wait.h>
 

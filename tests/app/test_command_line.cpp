@@ -1,5 +1,5 @@
 // The program as people call it: help, runs, and one clear message for each kind of bad input.
-#include "program.h"
+#include "tests/app/program.h"
 
 #include <doctest/doctest.h>
 

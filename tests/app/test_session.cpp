@@ -1,7 +1,7 @@
 // The live session: transport, steering between steps, reset, and what a threshold does to a bar.
 #include "app/session.h"
 #include "engine/core/error.h"
-#include "program.h"
+#include "tests/app/program.h"
 
 #include <doctest/doctest.h>
 

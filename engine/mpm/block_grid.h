@@ -18,8 +18,7 @@ struct GridNode {
 /// What a node gives back.
 struct NodeVelocity {
   Vec3 v = Vec3::Zero();       ///< after forces and contact [m/s]
-  Vec3 change = Vec3::Zero();  ///< v - v^n [m/s]
-  Vec3 series = Vec3::Zero();  ///< what XPIC adds to v [m/s]
+  Vec3 change = Vec3::Zero();  ///< v - v^n; with XPIC what its series adds to v [m/s]
   bool held = false;           ///< met a collider
 };
 

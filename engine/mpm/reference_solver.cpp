@@ -149,7 +149,7 @@ void ReferenceSolver::update_grid(Real dt) {
         v = loads.apply(near, x, node[n].mass, dt, v, work);
         held = loads.meets(near, x);
       }
-      out[n] = {v, v - v_old, Vec3::Zero(), held};
+      out[n] = {v, v - v_old, held};
     }
     return work;
   });

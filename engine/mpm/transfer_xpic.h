@@ -21,7 +21,7 @@ struct XpicTransfer {
 
   struct Sums {
     Vec3 series = Vec3::Zero();
-    void add(Real w, const NodeVelocity& node, const Vec3&) { series += w * node.series; }
+    void add(Real w, const NodeVelocity& node, const Vec3&) { series += w * node.change; }
   };
 
   static void receive(const Sums& sums, const Vec3& pic, const Mat3&, Real, const SolverDesc&,

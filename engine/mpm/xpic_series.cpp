@@ -7,15 +7,16 @@ namespace rend {
 
 void add_xpic_series(int order, const GridTransfer& transfer, const Particles& particles, Real dx,
                      BlockGrid& grid) {
-  if (order < 2) return;
   const Index blocks = static_cast<Index>(grid.grid_blocks().size());
   const std::size_t count = grid.grid_blocks().size() * BlockGrid::kNodes;
   std::vector<Vec3> d(count), momentum(count);
   parallel_for(blocks, 8, [&](Index b) {
-    const NodeVelocity* node = grid.velocities(b);
-    for (int n = 0; n < BlockGrid::kNodes; ++n)
+    NodeVelocity* node = grid.velocities(b);
+    for (int n = 0; n < BlockGrid::kNodes; ++n) {
       d[static_cast<std::size_t>(b) * BlockGrid::kNodes + static_cast<std::size_t>(n)] =
           node[n].v - node[n].change;
+      node[n].change.setZero();
+    }
   });
   for (int k = 2; k <= order; ++k) {
     std::fill(momentum.begin(), momentum.end(), Vec3::Zero());
@@ -35,7 +36,7 @@ void add_xpic_series(int order, const GridTransfer& transfer, const Particles& p
             static_cast<std::size_t>(b) * BlockGrid::kNodes + static_cast<std::size_t>(n);
         if (!(node[n].mass > 0)) continue;
         d[at] = out[n].held ? Vec3(Vec3::Zero()) : Vec3(d[at] - momentum[at] / node[n].mass);
-        out[n].series += d[at];
+        out[n].change += d[at];
       }
     });
   }

@@ -7,7 +7,7 @@
 
 namespace rend {
 
-/// Adds d_2 + ... + d_m to NodeVelocity::series, with d_1 = v^n and d_{k+1} = (1 - S^+ S) d_k,
+/// Replaces NodeVelocity::change by d_2 + ... + d_m with d_1 = v^n and d_{k+1} = (1 - S^+ S) d_k,
 /// where S interpolates to particles and S^+ is the mass-weighted transfer back (Hammerquist and
 /// Nairn 2017). Held nodes take no part beyond d_1, so that they keep the velocity of their
 /// collider. Costs one G2P and one P2G per order above 1.

@@ -25,6 +25,7 @@ const TileKernels* kernels_of_target() {
                             : "sse4",
       {particle_block<Pass::scatter>, particle_block<Pass::fused>, particle_block<Pass::gather>},
       grid_block,
+      respond_tiles,
       measure_tiles};
   return &kernels;
 #endif

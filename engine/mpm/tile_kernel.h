@@ -115,6 +115,9 @@ struct TileKernels {
   const char* name;  ///< "avx512", "avx2" or "sse4"
   void (*particles[3])(const StepConstants&, BlockTask&);
   void (*grid)(GridTask&);
+  /// Return mapping of tiles where they are, as a step of length 0 would do it.
+  void (*respond)(const TileLayout&, const MaterialConstants&, float* tiles, int tile_count,
+                  RunExtremes& extremes);
   /// Elastic energy density and largest principal stress [Pa] of `tiles` tiles of one material.
   void (*measure)(const TileLayout&, const MaterialConstants&, const float* tile, int tiles,
                   float* energy, float* stress);

@@ -185,6 +185,16 @@ inline RespondBatch respond_function(int response) {
   return chosen;
 }
 
+HWY_NOINLINE void respond_tiles(const TileLayout& layout, const MaterialConstants& material,
+                                float* tiles, int tile_count, RunExtremes& extremes) {
+  const FlushDenormals flush;
+  static thread_local Work work;
+  for (int t = 0; t < tile_count; t += kBatch)
+    respond_function(material.response)(material, layout, tiles + std::size_t(t) * layout.floats(),
+                                        tile_count - t < kBatch ? tile_count - t : kBatch, work,
+                                        extremes);
+}
+
 /// Elastic energy density and largest principal stress, once a frame.
 HWY_NOINLINE void measure_tiles(const TileLayout& layout, const MaterialConstants& material,
                                 const float* tile, int tiles, float* energy, float* stress) {

@@ -277,31 +277,45 @@ Fault TileSolver::farthest_block() const {
   return {};
 }
 
-// Extremes of the state at rest in the store, as a step of length 0 would leave them.
+// Extremes and admissible strain of the current state, as a step of length 0 would leave them.
 void TileSolver::measure_motion() {
-  motion_ =
-      ordered_sum(static_cast<Index>(store_.blocks().size()), 4, MotionExtremes(), [&](Index b) {
+  struct Sums {
+    MotionExtremes motion;
+    Real dissipation = 0;
+    Sums& operator+=(const Sums& other) {
+      motion += other.motion;
+      dissipation += other.dissipation;
+      return *this;
+    }
+  };
+  const bool affine = scene_.solver.transfer != Transfer::pic;
+  const Sums sums =
+      ordered_sum(static_cast<Index>(store_.blocks().size()), 4, Sums(), [&](Index b) {
         const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
-        MotionExtremes out;
+        Sums out;
         for (int r = 0; r < block.run_count; ++r) {
           const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
-          const MaterialDesc& material = materials_[run.material].desc;
-          const Lame lame = lame_parameters(material.youngs_modulus, material.poisson_ratio);
-          out.stiffness =
-              std::max(out.stiffness, wave_stiffness(lame.mu, lame.lambda, 0) / material.density);
+          const Material& material = materials_[run.material];
+          RunExtremes extremes;
+          kernels_->respond(store_.layout(), material.constants, store_.tile(run.first_tile),
+                            run.tiles(), extremes);
+          out.dissipation += extremes.dissipation;
+          out.motion.stiffness = std::max(out.motion.stiffness, material.stiffness(extremes));
           for (int i = 0; i < run.count; ++i) {
             const Lane p = lane(run, i);
             Real C2 = 0;
             for (int k = 0; k < 9; ++k) C2 += static_cast<Real>(p.C(k)) * p.C(k);
-            const bool affine = scene_.solver.transfer != Transfer::pic;
-            out.gradient = std::max(out.gradient, std::sqrt(C2));
-            out.speed = std::max(out.speed, dx_ * (Vec3(p.v(0), p.v(1), p.v(2)).norm() +
-                                                   (affine ? std::sqrt(3 * C2) : 0)));
+            out.motion.gradient = std::max(out.motion.gradient, std::sqrt(C2));
+            out.motion.speed = std::max(
+                out.motion.speed,
+                dx_ * (Vec3(p.v(0), p.v(1), p.v(2)).norm() + (affine ? std::sqrt(3 * C2) : 0)));
           }
         }
         return out;
       });
+  motion_ = sums.motion;
   motion_.collider_speed = NodeLoads(scene_.colliders, pull_, time_).collider_speed();
+  dissipated_ += sums.dissipation * dx_ * dx_ * dx_;
 }
 
 // ---- steering and files
@@ -330,6 +344,7 @@ void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
   const Real before = initial_threshold(materials_.at(index).desc.yield_surface);
   materials_[index] = {material, constants_of(material)};
   const Real now = initial_threshold(material.yield_surface);
+  const bool had_threshold = store_.layout().tau_c >= 0;
   const TileLayout needed = needed_layout();
   if (needed.groups != store_.layout().groups) add_groups(needed);
   const TileLayout& layout = store_.layout();
@@ -342,7 +357,7 @@ void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
         const Index id =
             store_.ids()[std::size_t(run.first_tile) * kLanes + static_cast<std::size_t>(i)];
         float& state = lane[layout.tau_c * kLanes];
-        if (state > 0 || before == 0)
+        if (had_threshold && (state > 0 || before == 0))
           state = static_cast<float>(before > 0 ? state * (now / before) : tau_c0(index, id));
         if (layout.tau_c0 >= 0)
           lane[layout.tau_c0 * kLanes] = static_cast<float>(tau_c0(index, id));

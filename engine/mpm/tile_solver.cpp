@@ -61,6 +61,11 @@ TileSolver::StepSums& TileSolver::StepSums::operator+=(const StepSums& other) {
   return *this;
 }
 
+Real TileSolver::Material::stiffness(const RunExtremes& extremes) const {
+  const Lame lame = lame_parameters(desc.youngs_modulus, desc.poisson_ratio);
+  return wave_stiffness(lame.mu, lame.lambda, extremes.least_stress) / desc.density;
+}
+
 TileSolver::TileSolver(const SceneDesc& scene, const Model& model, const TileKernels* kernels)
     : scene_(scene),
       dx_(scene.grid.dx),
@@ -213,12 +218,9 @@ TileSolver::StepSums TileSolver::particle_pass(Pass pass, const StepConstants& s
     float speed2 = 0, gradient2 = 0;
     for (int r = 0; r < block.run_count; ++r) {
       const RunExtremes& extremes = task.extremes[r];
-      const MaterialDesc& material =
-          materials_[store_.runs()[static_cast<std::size_t>(block.first_run + r)].material].desc;
-      const Lame lame = lame_parameters(material.youngs_modulus, material.poisson_ratio);
+      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
       sums.motion.stiffness =
-          std::max(sums.motion.stiffness,
-                   wave_stiffness(lame.mu, lame.lambda, extremes.least_stress) / material.density);
+          std::max(sums.motion.stiffness, materials_[run.material].stiffness(extremes));
       speed2 = std::max(speed2, extremes.speed2);
       gradient2 = std::max(gradient2, extremes.gradient2);
       sums.dissipation += extremes.dissipation;

@@ -59,6 +59,8 @@ class TileSolver : public Solver {
   struct Material {
     MaterialDesc desc;
     MaterialConstants constants;
+    /// Wave stiffness over density of a run of this material [m2/s2].
+    Real stiffness(const RunExtremes& extremes) const;
   };
   struct StepSums {
     MotionExtremes motion;

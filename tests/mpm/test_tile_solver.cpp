@@ -1,0 +1,298 @@
+// The tile solver by itself: bits, files, live changes, contact, damage, several materials, hard
+// cases.
+#include "engine/core/error.h"
+#include "engine/core/parallel.h"
+#include "engine/mpm/tile_solver.h"
+#include "tests/mpm/lattice_model.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <sstream>
+
+using namespace rend;
+
+namespace {
+
+SceneDesc float_scene() {
+  SceneDesc scene = plain_scene();
+  scene.solver.precision = Precision::float32;
+  return scene;
+}
+
+ColliderDesc floor_collider(Contact contact) {
+  ColliderDesc floor;
+  floor.shape = PlaneDesc{Vec3(0, 1, 0)};
+  floor.contact = contact;
+  floor.friction = 0.3;
+  floor.motion.push_back({});
+  return floor;
+}
+
+// A block that is thrown at a floor and breaks up into rubble.
+SceneDesc breaking_scene() {
+  SceneDesc scene = float_scene();
+  scene.gravity = Vec3(0, -1, 0);
+  scene.materials[0] = with_surface(scene.materials[0], "rankine", 8, 20);
+  scene.materials[0].damage.type = DamageType::granular;
+  scene.colliders.push_back(floor_collider(Contact::separate));
+  return scene;
+}
+
+Model thrown_block() {
+  LatticeModel body;
+  body.add_box(Vec3(-2, 0.5, -2), Vec3i(9, 8, 7), 0.5, Vec3(2, -6, 1), 0.2);
+  return body.model;
+}
+
+const TileKernels* kernels_named(const char* name) {
+  for (const TileKernels* kernels : all_tile_kernels())
+    if (std::strcmp(kernels->name, name) == 0) return kernels;
+  return nullptr;
+}
+
+bool close(Real a, Real b, Real relative) { return std::abs(a - b) <= relative * std::abs(b); }
+
+}  // namespace
+
+TEST_CASE("tile: any number of threads and AVX2 or AVX-512 give the same bits") {
+  std::uint64_t hash = 0;
+  for (const char* name : {"avx512", "avx2"}) {
+    const TileKernels* kernels = kernels_named(name);
+    if (!kernels) continue;
+    for (int threads : {1, 2, 3, 4}) {
+      CAPTURE(threads);
+      set_thread_count(threads);
+      TileSolver solver(breaking_scene(), thrown_block(), kernels);
+      const FrameReport r = solver.advance(0.6);
+      REQUIRE(r.status == Status::ok);
+      CHECK(r.yielded > 20);
+      CHECK(r.damaged > 0);
+      CHECK(r.dissipated_energy > 0);
+      if (hash == 0) hash = r.state_hash;
+      CHECK(r.state_hash == hash);
+    }
+  }
+  set_thread_count(0);
+}
+
+TEST_CASE("tile: rubble, transfers and several materials follow the reference") {
+  const auto check = [](SceneDesc scene, const Model& model, Real duration, Real tolerance) {
+    scene.solver.time_step = 0.01;
+    TileSolver tile(scene, model);
+    const FrameReport t = tile.advance(duration);
+    ReferenceSolver reference(scene, model);
+    const FrameReport r = reference.advance(duration);
+    REQUIRE(t.status == Status::ok);
+    CHECK(t.substeps == r.substeps);
+    CHECK(close(t.mass, r.mass, 1e-6));
+    CHECK((t.momentum - r.momentum).norm() <= 1e-5 * r.momentum.norm());
+    CHECK((t.angular_momentum - r.angular_momentum).norm() <= 1e-5 * r.angular_momentum.norm());
+    CHECK(close(t.kinetic_energy, r.kinetic_energy, tolerance));
+    CHECK(close(t.elastic_energy, r.elastic_energy, 10 * tolerance));
+    CHECK(close(t.gravity_energy, r.gravity_energy, tolerance));
+    CHECK(std::abs(t.dissipated_energy - r.dissipated_energy) <=
+          10 * tolerance * r.dissipated_energy);
+    CHECK(std::abs(t.external_work - r.external_work) <=
+          tolerance * (std::abs(r.external_work) + r.kinetic_energy));
+    const Snapshot a = tile.snapshot(), b = reference.snapshot();
+    Real stress = 0;
+    for (const float s : b.stress) stress = std::max<Real>(stress, std::abs(s));
+    Index different_damage = 0, different_yield = 0, different_stress = 0;
+    for (std::size_t i = 0; i < a.x.size(); ++i) {
+      CHECK((a.x[i] - b.x[i]).norm() <= 100 * tolerance);
+      different_damage += std::abs(a.damage[i] - b.damage[i]) > 1e-2f;
+      different_yield += a.yielded[i] != b.yielded[i];
+      different_stress += std::abs(a.stress[i] - b.stress[i]) > 1e-2 * stress;
+    }
+    // Round-off decides for a particle that is within it of a threshold.
+    const Index few = static_cast<Index>(a.x.size() / 200);
+    CHECK(different_damage <= few);
+    CHECK(different_yield <= few);
+    CHECK(different_stress <= few);
+  };
+
+  SUBCASE("granular damage on a floor") { check(breaking_scene(), thrown_block(), 0.5, 2e-4); }
+  SUBCASE("damage to nothing") {
+    SceneDesc scene = breaking_scene();
+    scene.materials[0].damage.type = DamageType::zero;
+    check(scene, thrown_block(), 0.5, 2e-4);
+  }
+  SUBCASE("damage with strength that varies") {
+    SceneDesc scene = breaking_scene();
+    Model model = thrown_block();
+    Random random(3, 3);
+    for (std::size_t i = 0; i < model.X.size(); ++i)
+      model.strength.push_back(static_cast<float>(random.next(0.5, 1.5)));
+    check(scene, model, 0.5, 2e-4);
+  }
+  SUBCASE("PIC") {
+    SceneDesc scene = breaking_scene();
+    scene.solver.transfer = Transfer::pic;
+    scene.materials[0].damage.type = DamageType::off;
+    check(scene, thrown_block(), 0.3, 1e-5);
+  }
+  SUBCASE("two bodies of different matter and a sticky floor, pulled") {
+    SceneDesc scene = float_scene();
+    scene.gravity = Vec3(0.3, -1, 0);
+    scene.colliders.push_back(floor_collider(Contact::stick));
+    MaterialDesc heavy = with_surface(scene.materials[0], "von_mises", 5, 2);
+    heavy.density = 3;
+    heavy.youngs_modulus = 300;
+    scene.materials.push_back(heavy);
+    LatticeModel bodies;
+    bodies.add_box(Vec3(-2, 0.2, -2), Vec3i(8, 6, 8), 0.5, Vec3::Zero(), 0.2, 0);
+    bodies.add_box(Vec3(-1, 3.4, -1), Vec3i(5, 6, 5), 0.5, Vec3(0, -5, 0), 0.2, 1);
+    check(scene, bodies.model, 0.5, 1e-5);
+  }
+}
+
+TEST_CASE("tile: the pull tool moves what it reaches with its force") {
+  SceneDesc scene = float_scene();
+  LatticeModel body;
+  body.add_box(Vec3(0, 0, 0), Vec3i(8, 8, 8), 0.5);
+  TileSolver solver(scene, body.model);
+  solver.set_pull({Vec3(4, 2, 2), Vec3(6, 0, 0), 2});
+  const FrameReport r = solver.advance(0.2);
+  CHECK(r.momentum[0] == doctest::Approx(6 * 0.2).epsilon(1e-5));
+  CHECK(r.external_work > 0);
+  CHECK(r.external_work == doctest::Approx(r.kinetic_energy + r.elastic_energy).epsilon(0.2));
+}
+
+TEST_CASE("tile: save and load continue with the same bits") {
+  TileSolver a(breaking_scene(), thrown_block());
+  a.advance(0.3);
+  std::stringstream file;
+  a.save(file);
+  const FrameReport straight = a.advance(0.3);
+  TileSolver b(breaking_scene(), thrown_block());
+  b.load(file);
+  CHECK(b.time() == doctest::Approx(0.3));
+  const FrameReport again = b.advance(0.3);
+  CHECK(again.state_hash == straight.state_hash);
+  CHECK(again.dissipated_energy == straight.dissipated_energy);
+
+  std::stringstream damaged;
+  a.save(damaged);
+  std::string bytes = damaged.str();
+  bytes[bytes.size() / 2] ^= 1;
+  std::stringstream bad(bytes);
+  CHECK_THROWS_AS(b.load(bad), Error);
+  ReferenceSolver other(breaking_scene(), thrown_block());
+  std::stringstream foreign;
+  other.save(foreign);
+  CHECK_THROWS_AS(b.load(foreign), Error);
+}
+
+TEST_CASE("tile: materials change mid-run, also to one that yields") {
+  SceneDesc scene = float_scene();
+  scene.solver.time_step = 0.01;
+  LatticeModel body;
+  body.add_box(Vec3(0, 0, 0), Vec3i(8, 8, 8), 0.5, Vec3::Zero(), 0.2);
+  body.spin(0, Vec3(2, 2, 2), Vec3(0, 0, 2));
+  TileSolver tile(scene, body.model);
+  ReferenceSolver reference(scene, body.model);
+  tile.advance(0.2);
+  reference.advance(0.2);
+  MaterialDesc soft = with_surface(scene.materials[0], "von_mises", 3, 1);
+  soft.density = 2;
+  soft.damage.type = DamageType::granular;
+  for (Solver* solver : {static_cast<Solver*>(&tile), static_cast<Solver*>(&reference)})
+    solver->set_material(0, soft);
+  const FrameReport a = tile.advance(0.3), b = reference.advance(0.3);
+  CHECK(close(a.mass, b.mass, 1e-6));
+  CHECK(close(a.kinetic_energy, b.kinetic_energy, 1e-5));
+  CHECK(a.yielded == b.yielded);
+  CHECK(a.yielded > 0);
+  soft.yield_surface.value[0] = 6;
+  for (Solver* solver : {static_cast<Solver*>(&tile), static_cast<Solver*>(&reference)})
+    solver->set_material(0, soft);
+  CHECK(close(tile.advance(0.2).elastic_energy, reference.advance(0.2).elastic_energy, 1e-4));
+}
+
+TEST_CASE("tile: bad states stop with a reason and give the last good frame back") {
+  SceneDesc scene = float_scene();
+  Model model = thrown_block();
+  SUBCASE("too fast for a fixed step") {
+    scene.solver.time_step = 0.4;
+    TileSolver solver(scene, model);
+    const std::uint64_t before = solver.snapshot().report.state_hash;
+    const FrameReport r = solver.advance(2);
+    CHECK(r.status == Status::too_fast);
+    CHECK(!r.reason.empty());
+    CHECK(r.state_hash == before);
+    CHECK(solver.time() == 0);
+  }
+  SUBCASE("not a number") {
+    model.velocity[17][1] = std::numeric_limits<Real>::quiet_NaN();
+    scene.solver.time_step = 0.01;
+    TileSolver solver(scene, model);
+    const FrameReport r = solver.advance(0.1);
+    CHECK(r.status == Status::not_finite);
+    CHECK(!r.reason.empty());
+    CHECK(solver.time() == 0);
+  }
+  SUBCASE("out of the world") {
+    model.X[3] = Vec3(1e9, 0, 0);
+    CHECK_THROWS_AS(TileSolver(scene, model), Error);
+  }
+}
+
+TEST_CASE("tile: stopping between steps leaves a state that goes on") {
+  SceneDesc scene = float_scene();
+  scene.solver.time_step = 0.01;
+  int calls = 0;
+  TileSolver solver(scene, thrown_block());
+  const FrameReport r = solver.advance(1.0, [&] { return ++calls < 5; });
+  CHECK(r.status == Status::ok);
+  CHECK(r.substeps == 5);
+  CHECK(solver.time() == doctest::Approx(0.05));
+  CHECK(solver.advance(0.1).substeps == 10);
+}
+
+TEST_CASE("tile: free fall is exact, a lone particle keeps its momentum far from the origin") {
+  SceneDesc scene = float_scene();
+  scene.gravity = Vec3(0, -9.81, 0);
+  scene.solver.time_step = 0.01;
+  LatticeModel body;
+  body.add_box(Vec3(80000, 40000, -90000), Vec3i(1, 1, 1), 0.5, Vec3(7, 20, -3));
+  TileSolver solver(scene, body.model);
+  const FrameReport r = solver.advance(2);
+  REQUIRE(r.status == Status::ok);
+  const Snapshot s = solver.snapshot();
+  const Vec3 exact = body.model.X[0] + 2 * Vec3(7, 20, -3) + 0.5 * 2 * (2 + 0.01) * scene.gravity;
+  CHECK((s.x[0] - exact).norm() <= 1e-4);
+}
+
+TEST_CASE("tile: a lone particle with anisotropic strain stays bounded at the rule's step") {
+  SceneDesc scene = float_scene();
+  LatticeModel body;
+  body.add_box(Vec3(0.1, 0.2, 0.3), Vec3i(1, 1, 1), 0.5);
+  body.model.velocity_gradient[0] << -2, 3, 0, 1, -4, 2, 0, 2, -3;
+  TileSolver solver(scene, body.model);
+  Real most = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    const FrameReport r = solver.advance(1);
+    REQUIRE(r.status == Status::ok);
+    most = std::max(most, r.elastic_energy);
+  }
+  CHECK(std::isfinite(most));
+  CHECK(most < 20);
+}
+
+TEST_CASE("the scene decides which solver runs, and the choice is explained") {
+  SceneDesc scene = float_scene();
+  std::string why;
+  CHECK(make_solver(scene, thrown_block(), &why)->describe().find("tile solver") == 0);
+  CHECK(why.find("tile solver") != std::string::npos);
+  for (const Transfer transfer : {Transfer::polypic, Transfer::xpic}) {
+    SceneDesc other = scene;
+    other.solver.transfer = transfer;
+    CHECK(!TileSolver::obstacle(other).empty());
+  }
+  scene.solver.kernel = Kernel::cubic;
+  CHECK(make_solver(scene, thrown_block(), &why)->describe().find("reference solver") == 0);
+  CHECK(why.find("cubic") != std::string::npos);
+}

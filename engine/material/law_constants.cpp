@@ -32,6 +32,7 @@ LawConstants<Real> law_constants(const MaterialDesc& material) {
   const Lame lame = lame_parameters(material.youngs_modulus, material.poisson_ratio);
   LawConstants<Real> k{};
   k.mu2 = 2 * lame.mu;
+  k.inverse_mu2 = 1 / k.mu2;
   k.lambda = lame.lambda;
   prepare_surface(material, k.surface);
   k.damage_threshold = material.damage.threshold;

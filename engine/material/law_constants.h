@@ -19,6 +19,7 @@ Lame lame_parameters(Real youngs_modulus, Real poisson_ratio);
 template <class S>
 struct LawConstants {
   S mu2;                            ///< 2 mu [Pa]
+  S inverse_mu2;                    ///< 1 / (2 mu) [1/Pa]
   S lambda;                         ///< [Pa]
   S surface[kMaxSurfaceConstants];  ///< what the yield surface's prepare() wrote
   S damage_threshold;               ///< damaged once tau_c <= damage_threshold * tau_c0 [-]

@@ -81,10 +81,9 @@ struct Rankine {
     const S over2 = over1 + (k.mu2 * e2 + pressure - cap);
     const S over3 = over2 + (k.mu2 * e3 + pressure - cap);
     const S sum = max(max(over1 * c[kFlow1], zero), max(over2 * c[kFlow2], over3 * c[kFlow3]));
-    const S relief = pressure - k.lambda * sum - cap;
+    const S relief = k.inverse_mu2 * (pressure - k.lambda * sum - cap);
     Triple<S> plastic;
-    for (int i = 0; i < 3; ++i)
-      plastic[i] = select(yielded, max((k.mu2 * eps[i] + relief) / k.mu2, zero), zero);
+    for (int i = 0; i < 3; ++i) plastic[i] = select(yielded, max(eps[i] + relief, zero), zero);
     const S driver = max(max(plastic[0], plastic[1]), plastic[2]);
     return {plastic, softened, softening_work(tau_c, softened, trace(plastic), c[kAlpha], driver),
             yielded};

@@ -18,6 +18,7 @@ template <class S, class T>
 REND_LAW_INLINE LawConstants<S> convert_constants(const LawConstants<T>& k) {
   LawConstants<S> out;
   out.mu2 = S(k.mu2);
+  out.inverse_mu2 = S(k.inverse_mu2);
   out.lambda = S(k.lambda);
   for (int i = 0; i < kMaxSurfaceConstants; ++i) out.surface[i] = S(k.surface[i]);
   out.damage_threshold = S(k.damage_threshold);

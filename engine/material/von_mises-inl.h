@@ -59,7 +59,7 @@ struct VonMises {
     const S softened =
         select(yielded, c[kKeep] * max(tau_c - c[kAlpha] * (excess * c[kSolve]), zero), tau_c);
     const S cap = select(c[kExplicit] > zero, tau_c, softened);
-    const S plastic = select(yielded, max(length - cap / k.mu2, zero), zero);
+    const S plastic = select(yielded, max(length - cap * k.inverse_mu2, zero), zero);
     const S scale = plastic / max(length, S(1e-30));
     return {{{dev[0] * scale, dev[1] * scale, dev[2] * scale}},
             softened,

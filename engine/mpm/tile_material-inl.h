@@ -52,31 +52,38 @@ struct Spectrum {
     B2[3] = mul_add(a, d, mul_add(d, b, h * g));
     B2[4] = mul_add(d, h, mul_add(b, g, g * c));
     B2[5] = mul_add(h, a, mul_add(g, d, c * h));
-    const Lanes p = sqrt((B2[0] + B2[1] + B2[2]) * Lanes(1.0f / 6));
+    const Lanes p = max(sqrt((B2[0] + B2[1] + B2[2]) * Lanes(1.0f / 6)), Lanes(1e-12f));
     const Lanes det = mul_add(a, mul_sub(b, c, g * g),
                               mul_add(h, mul_sub(d, g, b * h), d * mul_sub(g, h, d * c)));
-    const Lanes ip = one / max(p, Lanes(1e-12f));
+    const Lanes ip = one / p;
     const Lanes r = min(max(det * half * ip * ip * ip, Lanes(-1.0f)), one);
+    const Lanes high = outer_eigenvalue(sqrt(mul_add(r, half, half)));
+    const Lanes low = outer_eigenvalue(sqrt(neg_mul_add(r, half, half)));
     const Lanes p2 = p + p;
-    b1 = p2 * outer_eigenvalue(sqrt(mul_add(r, half, half)));
-    b3 = zero - p2 * outer_eigenvalue(sqrt(neg_mul_add(r, half, half)));
-    b2 = zero - (b1 + b3);
-    // A wrong difference of a nearly double pair does no harm; 0 would.
-    const Lanes least = mul_add(p, Lanes(1e-7f), Lanes(1e-12f));
-    const Lanes d12 = max(b1 - b2, least), d23 = max(b2 - b3, least);
-    inv12 = one / d12;
-    inv23 = one / d23;
-    inv13 = one / (d12 + d23);
+    b1 = p2 * high;
+    b2 = p2 * (low - high);
+    b3 = zero - p2 * low;
+    // Differences over 2 p. A wrong difference of a nearly double pair does no harm; 0 would.
+    const Lanes least = mul_add(ip, Lanes(1e-12f), Lanes(1e-7f));
+    const Lanes up = max(high + (high - low), least), down = max(low + (low - high), least);
+    const Lanes both = up + down;
     const Lanes smallest(kSmallestStrain);
-    const Lanes l2 = mean + b2;
     clamped = mean + b3 < smallest;
-    const Lanes middle = max(l2, smallest);
-    const Lanes scale = one / (one + middle);
+    const Lanes middle = max(mean + b2, smallest);
+    // One division gives the four reciprocals.
+    const Lanes size = one + middle;
+    const Lanes product = up * down * both;
+    const Lanes quotient = one / (product * size);
+    const Lanes scale = quotient * product;
+    const Lanes inverse = quotient * size * (half * ip);
+    inv12 = inverse * down * both;
+    inv23 = inverse * up * both;
+    inv13 = inverse * up * down;
     const Lanes log2 = half * log1p(middle);
-    const Lanes up = half * log1p(d12 * scale);
+    const Lanes log_up = half * log1p(p2 * up * scale);
     const Lanes lowest = (smallest - middle) * scale;
-    const Lanes down = half * log1p(max(zero - d23 * scale, lowest));
-    eps = {{log2 + up, log2, log2 + down}};
+    const Lanes log_down = half * log1p(max(zero - p2 * down * scale, lowest));
+    eps = {{log2 + log_up, log2, log2 + log_down}};
   }
 
   /// f2 1 + f12 (B - b2) + f123 (B - b2)(B - b1) for f2 = f(b2), f12 = f[b1, b2], f32 = f[b3, b2].

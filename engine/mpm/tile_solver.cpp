@@ -86,6 +86,7 @@ MaterialConstants TileSolver::constants_of(const MaterialDesc& material) const {
   const LawConstants<Real> exact = law_constants(material);
   MaterialConstants out;
   out.law.mu2 = static_cast<float>(exact.mu2);
+  out.law.inverse_mu2 = static_cast<float>(exact.inverse_mu2);
   out.law.lambda = static_cast<float>(exact.lambda);
   for (int i = 0; i < kMaxSurfaceConstants; ++i)
     out.law.surface[i] = static_cast<float>(exact.surface[i]);

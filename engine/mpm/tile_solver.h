@@ -14,9 +14,9 @@
 
 namespace rend {
 
-/// Wall seconds that the stages of advance() have taken.
+/// CPU seconds of the process that the stages of advance() have taken.
 struct TileTimes {
-  Real grid = 0, particles = 0, rebin = 0, frame = 0;  ///< frame: first scatter, backup and report
+  Real grid = 0, particles = 0, rebin = 0;
   Index steps = 0, rebins = 0;
 };
 

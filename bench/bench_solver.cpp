@@ -1,0 +1,311 @@
+// The problem, the three solvers on it, and the table.
+#include "bench/bench_solver.h"
+
+#include "bench/textbook_solver.h"
+#include "engine/core/parallel.h"
+#include "engine/core/random.h"
+#include "engine/mpm/reference_solver.h"
+#include "engine/mpm/tile_solver.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <map>
+#include <numeric>
+
+namespace rend {
+
+namespace {
+
+constexpr Real kTimeStep = 1.7e-3;  // [s]; about 0.2 dx / c
+constexpr Real kFlops = 1500;  // hand count of one particle and step, speed notes of the design
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+SceneDesc bench_scene(const char* surface) {
+  SceneDesc scene;
+  scene.grid.dx = 1;
+  scene.gravity.setZero();
+  scene.solver.time_step = kTimeStep;
+  MaterialDesc material;
+  material.density = 1;
+  material.youngs_modulus = 1e4;
+  material.poisson_ratio = 0.3;
+  material.yield_surface.type = find_yield_surface(surface).value();
+  material.yield_surface.value[0] = 154;
+  scene.materials.push_back(material);
+  return scene;
+}
+
+// A box that stretches, shears and waves: most of it yields within ten steps. Numbers that float
+// holds exactly, so that all solvers start alike, in random order.
+Model bench_model(int cells) {
+  Model model;
+  Random random(1, 1);
+  const Real half = 0.5 * cells;
+  Mat3 L;
+  L << 1, -0.5, 0.2, 0.5, -0.6, 0.1, 0.3, 0, -0.5;
+  L = (6 / half * L).cast<float>().cast<Real>();
+  for (int i = 0; i < 2 * cells; ++i)
+    for (int j = 0; j < 2 * cells; ++j)
+      for (int k = 0; k < 2 * cells; ++k) {
+        Vec3 x;
+        for (int a = 0; a < 3; ++a)
+          x[a] = 12 + 0.5 * ((a == 0 ? i : a == 1 ? j : k) + 0.5 + 0.6 * (random.next() - 0.5));
+        x = (x * 0x1p16).array().round() * 0x1p-16;
+        const Vec3 X = x - Vec3::Constant(12 + half);
+        const Vec3 wave(std::sin(3 * X[0] / half), std::sin(3 * X[1] / half + 1),
+                        std::sin(3 * X[2] / half + 2));
+        model.X.push_back(x);
+        model.velocity.push_back((L * X + 0.5 * wave).cast<float>().cast<Real>());
+      }
+  for (std::size_t i = model.X.size(); i > 1; --i) {
+    const auto j = static_cast<std::size_t>(random.next() * static_cast<Real>(i));
+    std::swap(model.X[i - 1], model.X[j]);
+    std::swap(model.velocity[i - 1], model.velocity[j]);
+  }
+  model.volume.assign(model.X.size(), 0.125);
+  model.body.assign(model.X.size(), 0);
+  model.material.assign(model.X.size(), 0);
+  model.velocity_gradient.push_back(L);
+  return model;
+}
+
+TextbookProblem textbook_problem(const SceneDesc& scene, const Model& model) {
+  const MaterialDesc& material = scene.materials[0];
+  const Lame lame = lame_parameters(material.youngs_modulus, material.poisson_ratio);
+  TextbookProblem out;
+  for (std::size_t p = 0; p < model.X.size(); ++p) {
+    out.x.insert(out.x.end(), model.X[p].data(), model.X[p].data() + 3);
+    out.v.insert(out.v.end(), model.velocity[p].data(), model.velocity[p].data() + 3);
+    for (int a = 0; a < 9; ++a) out.C.push_back(model.velocity_gradient[0](a / 3, a % 3));
+  }
+  out.volume = model.volume;
+  out.mu = lame.mu;
+  out.lambda = lame.lambda;
+  out.density = material.density;
+  out.tau_c = material.yield_surface.value[0];
+  out.dt = kTimeStep;
+  return out;
+}
+
+// Largest differences from the reference, relative to its largest values.
+struct Errors {
+  Real v = -1, b = -1, tau_c = -1;
+};
+
+struct Truth {
+  std::vector<Vec3> v;
+  std::vector<Mat3> b;
+  std::vector<Real> tau_c;
+
+  explicit Truth(const Particles& p) : v(p.v), tau_c(p.tau_c) {
+    for (const Mat3& F : p.F) b.push_back(F * F.transpose() - Mat3::Identity());
+  }
+  template <class Read>
+  Errors compare(Read&& read) const {
+    Real v_max = 0, b_max = 0, tau_max = 0;
+    Errors e{0, 0, 0};
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const TileSolver::Point q = read(i);
+      e.v = std::max(e.v, (q.v - v[i]).cwiseAbs().maxCoeff());
+      e.b = std::max(e.b, (q.strain - b[i]).cwiseAbs().maxCoeff());
+      e.tau_c = std::max(e.tau_c, std::abs(q.tau_c - tau_c[i]));
+      v_max = std::max(v_max, v[i].cwiseAbs().maxCoeff());
+      b_max = std::max(b_max, b[i].cwiseAbs().maxCoeff());
+      tau_max = std::max(tau_max, std::abs(tau_c[i]));
+    }
+    return {e.v / v_max, e.b / b_max, e.tau_c / tau_max};
+  }
+};
+
+// Errors by solver, instruction set and surface after 100 steps of 14,000 particles.
+std::map<std::string, Errors> solver_errors() {
+  std::map<std::string, Errors> out;
+  const Model model = bench_model(12);
+  for (const char* surface : {"von_mises", "rankine"}) {
+    SceneDesc scene = bench_scene(surface);
+    scene.solver.time_step = 3 * kTimeStep;  // far enough for several re-bins
+    ReferenceSolver reference(scene, model);
+    reference.advance(100 * scene.solver.time_step);
+    const Truth truth(reference.particles());
+    out[std::string("reference") + surface] = {0, 0, 0};
+    for (const TileKernels* kernels : all_tile_kernels()) {
+      TileSolver tile(scene, model, kernels);
+      tile.advance(100 * scene.solver.time_step);
+      const std::vector<TileSolver::Point> points = tile.points();
+      out[std::string("tile") + kernels->name + surface] =
+          truth.compare([&](std::size_t i) { return points[i]; });
+    }
+    if (std::strcmp(surface, "von_mises") != 0 || !textbook_runs_here()) continue;
+    TextbookProblem problem = textbook_problem(scene, model);
+    problem.dt = scene.solver.time_step;
+    TextbookSolver textbook(problem);
+    for (int n = 0; n < 100; ++n) textbook.step();
+    out["textbookvon_mises"] = truth.compare([&](std::size_t i) {
+      TileSolver::Point q;
+      double e[6];
+      textbook.read(i, q.v.data(), e);
+      q.strain << e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2];
+      q.tau_c = problem.tau_c;
+      return q;
+    });
+  }
+  return out;
+}
+
+struct Timing {
+  double cpu, wall;
+};
+template <class F>
+Timing time_of(F&& run) {
+  const double cpu = cpu_seconds(), wall = wall_seconds();
+  run();
+  return {cpu_seconds() - cpu, wall_seconds() - wall};
+}
+
+void set_times(SolverBenchRow& row, const Timing& timing) {
+  const double per = 1e9 / (static_cast<double>(row.steps) * row.particles);
+  row.cpu_ns = timing.cpu * per;
+  row.wall_ns = timing.wall * per;
+}
+
+SolverBenchRow run_textbook(const SceneDesc& scene, const Model& model, Index steps) {
+  SolverBenchRow row;
+  row.solver = "textbook";
+  row.particles = model.particle_count();
+  row.steps = steps;
+  TextbookSolver solver(textbook_problem(scene, model));
+  solver.step();
+  set_times(row, time_of([&] {
+              for (Index n = 0; n < steps; ++n) solver.step();
+            }));
+  row.bytes = solver.bytes_per_particle();
+  return row;
+}
+
+SolverBenchRow run_reference(const SceneDesc& scene, const Model& model, Index steps) {
+  SolverBenchRow row;
+  row.solver = "reference";
+  row.particles = model.particle_count();
+  row.steps = steps;
+  ReferenceSolver solver(scene, model);
+  set_times(row, time_of([&] { solver.advance(steps * kTimeStep); }));
+  row.bytes = solver.bytes_per_particle();
+  return row;
+}
+
+SolverBenchRow run_tile(const SceneDesc& scene, const Model& model, const TileKernels* kernels,
+                        Index steps) {
+  SolverBenchRow row;
+  row.solver = "tile";
+  row.simd = kernels->name;
+  row.particles = model.particle_count();
+  row.steps = steps;
+  TileSolver solver(scene, model, kernels);
+  solver.advance(3 * kTimeStep);
+  const TileTimes before = solver.times();
+  const Timing timing = time_of([&] { solver.advance(steps * kTimeStep); });
+  set_times(row, timing);
+  const TileTimes after = solver.times();
+  const double per = 1e9 / (static_cast<double>(steps) * row.particles);
+  row.particles_ns = (after.particles - before.particles) * per;
+  row.grid_ns = (after.grid - before.grid) * per;
+  row.rebin_ns = (after.rebin - before.rebin) * per;
+  row.frame_ns = row.cpu_ns - row.particles_ns - row.grid_ns - row.rebin_ns;
+  row.rebins = after.rebins - before.rebins;
+  row.bytes = solver.bytes_per_particle();
+  return row;
+}
+
+}  // namespace
+
+std::vector<SolverBenchRow> bench_solver(bool quick, std::FILE* progress) {
+  const auto tell = [&](const std::string& what) {
+    if (progress) fmt::print(progress, "{}\n", what);
+  };
+  tell("errors after 100 steps");
+  const std::map<std::string, Errors> errors = solver_errors();
+  std::vector<SolverBenchRow> rows;
+  const std::vector<int> threads = quick ? std::vector<int>{1} : std::vector<int>{1, 2};
+  for (const int cells : quick ? std::vector<int>{12} : std::vector<int>{23, 50}) {
+    const Model model = bench_model(cells);
+    const Index tile_steps = quick ? 40 : 100;
+    const Index slow_steps = cells > 30 ? 2 : 4;
+    tell(fmt::format("{} particles", model.particle_count()));
+    const double peak = textbook_runs_here() ? fma_flops_per_second(0.3) : 0;
+    Real textbook_ns = 0;
+    const auto add = [&](SolverBenchRow row, const char* surface, int thread_count) {
+      row.surface = surface;
+      row.threads = thread_count;
+      if (row.solver == "textbook") textbook_ns = row.cpu_ns;
+      row.ratio_to_textbook = textbook_ns / row.cpu_ns;
+      row.fma_share = peak > 0 ? kFlops / (1e-9 * row.cpu_ns) / peak : 0;
+      const auto found = errors.find(row.solver + row.simd + surface);
+      const Errors e = found == errors.end() ? Errors{} : found->second;
+      row.error_v = e.v;
+      row.error_b = e.b;
+      row.error_tau_c = e.tau_c;
+      rows.push_back(row);
+      tell(fmt::format("  {} {} {} {} threads: {:.1f} ns", row.solver, row.simd, surface,
+                       thread_count, row.cpu_ns));
+    };
+    const SceneDesc von_mises = bench_scene("von_mises"), rankine = bench_scene("rankine");
+    set_thread_count(1);
+    if (textbook_runs_here()) add(run_textbook(von_mises, model, slow_steps), "von_mises", 1);
+    for (const int t : threads) {
+      set_thread_count(t);
+      add(run_reference(von_mises, model, slow_steps), "von_mises", t);
+      for (const TileKernels* kernels : all_tile_kernels()) {
+        add(run_tile(von_mises, model, kernels, tile_steps), "von_mises", t);
+        add(run_tile(rankine, model, kernels, tile_steps), "rankine", t);
+      }
+    }
+    set_thread_count(0);
+  }
+  return rows;
+}
+
+void print_solver_bench(const std::vector<SolverBenchRow>& rows, std::FILE* out, std::FILE* csv) {
+  fmt::print(out,
+             "{:<10}{:<8}{:<10}{:>3}{:>9} {:>8}{:>8}{:>7}{:>7}{:>8}{:>7}{:>7}{:>7}{:>7}{:>7} "
+             "{:>9}{:>9}{:>9}\n",
+             "solver", "simd", "surface", "thr", "particles", "cpu ns", "wall ns", "ratio", "fma %",
+             "parts", "grid", "rebin", "frame", "rebins", "bytes", "err v", "err b", "err tau_c");
+  for (const SolverBenchRow& r : rows)
+    fmt::print(out,
+               "{:<10}{:<8}{:<10}{:>3}{:>9} "
+               "{:>8.1f}{:>8.1f}{:>7.1f}{:>7.1f}{:>8.1f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7}{:>7.0f} "
+               "{:>9.1e}{:>9.1e}{:>9.1e}\n",
+               r.solver, r.simd, r.surface, r.threads, r.particles, r.cpu_ns, r.wall_ns,
+               r.ratio_to_textbook, 100 * r.fma_share, r.particles_ns, r.grid_ns, r.rebin_ns,
+               r.frame_ns, r.rebins, r.bytes, r.error_v, r.error_b, r.error_tau_c);
+  if (!csv) return;
+  fmt::print(
+      csv,
+      "solver,simd,precision,yield_surface,threads,particles,steps,rebins,ns_per_particle_step,"
+      "wall_ns_per_particle_step,ratio_to_textbook,fma_share,particles_ns,grid_ns,rebin_ns,frame_"
+      "ns,"
+      "bytes_per_particle,error_v,error_b,error_tau_c\n");
+  for (const SolverBenchRow& r : rows)
+    fmt::print(csv,
+               "{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:."
+               "6g},{:.6g},{:.6g},{:.6g}\n",
+               r.solver, r.simd, r.solver == "tile" ? "float" : "double", r.surface, r.threads,
+               r.particles, r.steps, r.rebins, r.cpu_ns, r.wall_ns, r.ratio_to_textbook,
+               r.fma_share, r.particles_ns, r.grid_ns, r.rebin_ns, r.frame_ns, r.bytes, r.error_v,
+               r.error_b, r.error_tau_c);
+}
+
+}  // namespace rend

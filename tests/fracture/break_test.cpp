@@ -106,6 +106,16 @@ TEST_CASE("elastic strain does not cut, however large") {
     soft.update(yielding);
     CHECK(soft.report().broken_edges == 0);
   }
+  // Damage next door does not matter: an edge between two sound particles is not looked at.
+  FractureMesh half(plain_scene(), model);
+  Snapshot partly = moved(
+      model, [](const Vec3& X) { return Vec3(2 * X.x(), X.y(), X.z()); }, 0, 0);
+  for (std::size_t p = 0; p < model.X.size(); ++p)
+    partly.damage[p] = model.X[p].x() < .4 ? 1.f : 0.f;
+  half.update(partly);
+  CHECK(half.report().broken_edges > 0);
+  for (const Edge& e : half.break_table().edge)
+    CHECK(partly.damage[e[0]] + partly.damage[e[1]] > 0);
   // The crack in it is found all the same once the material is damaged.
   CHECK(open_crack(model, soft_scene(.7), {0, 0, .75}, .15).share >= .98);
 }

@@ -22,12 +22,16 @@ namespace {
 
 constexpr const char* kKind = "tile";
 
+// Volumes in cells are floats, so that whole multiples of this unit add up exactly, in any order.
+constexpr Real kVolumeUnit = 0x1p-44;
+
 struct ReportSums {
-  Real mass = 0, kinetic = 0, elastic = 0, gravity = 0, max_speed2 = 0;
+  Real kinetic = 0, elastic = 0, gravity = 0, max_speed2 = 0;
+  std::vector<std::int64_t> volume;  // of each material, in units
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
   Index yielded = 0, damaged = 0;
   ReportSums& operator+=(const ReportSums& o) {
-    mass += o.mass;
+    for (std::size_t m = 0; m < o.volume.size(); ++m) volume[m] += o.volume[m];
     kinetic += o.kinetic;
     elastic += o.elastic;
     gravity += o.gravity;
@@ -153,10 +157,12 @@ void TileSolver::measure(const TileRun& run, std::vector<float>& energy,
 
 void TileSolver::fill_report(FrameReport& report) const {
   const Real cell_volume = dx_ * dx_ * dx_;
+  ReportSums none;
+  none.volume.resize(materials_.size());
   const ReportSums sums =
-      ordered_sum(static_cast<Index>(store_.blocks().size()), 4, ReportSums(), [&](Index b) {
+      ordered_sum(static_cast<Index>(store_.blocks().size()), 4, none, [&](Index b) {
         const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
-        ReportSums sum;
+        ReportSums sum = none;
         for (int r = 0; r < block.run_count; ++r) {
           const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
           std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes),
@@ -169,7 +175,7 @@ void TileSolver::fill_report(FrameReport& report) const {
             const Vec3 x = world_position(block, p);
             const Vec3 v = dx_ * Vec3(p.v(0), p.v(1), p.v(2));
             ReportSums one;
-            one.mass = m;
+            sum.volume[run.material] += std::llround(p.volume() / kVolumeUnit);
             one.momentum = m * v;
             one.angular = m * x.cross(v);
             if (scene_.solver.transfer !=
@@ -189,7 +195,9 @@ void TileSolver::fill_report(FrameReport& report) const {
   report.frame = frame_;
   report.time = time_;
   report.particles = store_.particle_count();
-  report.mass = sums.mass;
+  report.mass = 0;
+  for (std::size_t m = 0; m < materials_.size(); ++m)
+    report.mass += static_cast<Real>(sums.volume[m]) * kVolumeUnit * cell_volume * materials_[m].desc.density;
   report.momentum = sums.momentum;
   report.angular_momentum = sums.angular;
   report.kinetic_energy = sums.kinetic;

@@ -1,6 +1,7 @@
 // The command line.
 #include "app/command_line.h"
 
+#include "app/bench_command.h"
 #include "app/check_command.h"
 #include "app/probe_command.h"
 #include "app/run_command.h"
@@ -51,6 +52,7 @@ struct CommandLine {
   RunOptions run;
   ServeOptions serve;
   std::string material, path;
+  BenchOptions bench;
   int threads = 0;
   GlBackend gl = GlBackend::automatic;
   std::function<int()> action;
@@ -164,6 +166,21 @@ void add_probe(CLI::App& app, CommandLine& line) {
   });
 }
 
+void add_bench(CLI::App& app, CommandLine& line) {
+  CLI::App* command = app.add_subcommand("bench", "Speed against error, measured here and now");
+  line.bench.name = bench_names().front();
+  command->add_option("NAME", line.bench.name, "Which benchmark")->check(CLI::IsMember(bench_names()))
+      ->capture_default_str();
+  command->add_flag("--quick", line.bench.quick, "Smaller problems, under two minutes");
+  command->add_option("--csv", line.bench.csv, "Write the table to this file too");
+  command->callback([&line] {
+    line.action = [&line] {
+      run_bench(line.bench);
+      return 0;
+    };
+  });
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
@@ -182,6 +199,7 @@ int run_command_line(int argc, char** argv) {
   add_remesh(app, line);
   add_check(app, line);
   add_probe(app, line);
+  add_bench(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -17,7 +17,7 @@ struct TextbookProblem {
   double mu = 0, lambda = 0, density = 1, tau_c = 0, dt = 0;
 };
 
-class TextbookSolver {
+class __attribute__((visibility("default"))) TextbookSolver {
  public:
   explicit TextbookSolver(const TextbookProblem& problem);
   ~TextbookSolver();
@@ -34,9 +34,9 @@ class TextbookSolver {
 
 /// Flops per second of single-precision fused multiply-adds on one core of this CPU, over `seconds`
 /// of CPU time.
-double fma_flops_per_second(double seconds);
+__attribute__((visibility("default"))) double fma_flops_per_second(double seconds);
 
 /// Whether the CPU has the instructions that this file was compiled for.
-bool textbook_runs_here();
+__attribute__((visibility("default"))) bool textbook_runs_here();
 
 }  // namespace rend

@@ -1,0 +1,50 @@
+// `rend bench`.
+#include "app/bench_command.h"
+
+#include "bench/bench_fracture.h"
+#include "bench/bench_render.h"
+#include "bench/bench_solver.h"
+#include "engine/core/error.h"
+
+#include <cerrno>
+#include <cstring>
+#include <iostream>
+#include <memory>
+
+namespace rend {
+
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+File open_csv(const std::filesystem::path& path) {
+  if (path.empty()) return nullptr;
+  File file(std::fopen(path.c_str(), "w"));
+  if (!file) throw Error(path.string(), std::string("cannot be written: ") + std::strerror(errno));
+  return file;
+}
+
+}  // namespace
+
+const std::vector<std::string>& bench_names() {
+  static const std::vector<std::string> names = {"solver", "fracture", "render"};
+  return names;
+}
+
+void run_bench(const BenchOptions& options) {
+  const File csv = open_csv(options.csv);
+  if (options.name == "solver") {
+    print_solver_bench(bench_solver(options.quick, stderr), stdout, csv.get());
+  } else if (options.name == "fracture") {
+    const std::vector<Index> sizes = options.quick ? std::vector<Index>{4000, 60000}
+                                                   : std::vector<Index>{4000, 60000, 207000, 1000000};
+    print_fracture_bench(sizes, stdout, csv.get());
+  } else {
+    print_render_bench(std::cout, bench_render(options.quick));
+  }
+}
+
+}  // namespace rend

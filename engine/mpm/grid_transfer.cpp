@@ -44,12 +44,13 @@ struct Loops {
       const auto i = static_cast<std::size_t>(p);
       const Real mass = particles.mass[i];
       const Mat3 stress = particles.volume[i] * particles.tau[i];
+      const Vec3 force = particles.force.empty() ? Vec3(Vec3::Zero()) : particles.force[i];
       for_each_node<Kernel, form>(block, particles.x[i], dx,
                                   [&](Index at, Real w, const Vec3& g, const Vec3& r) {
                                     GridNode& node = grid.node(at);
                                     node.mass += w * mass;
                                     node.momentum += (w * mass) * Scheme::carried(particles, p, r);
-                                    node.force -= stress * g;
+                                    node.force += w * force - stress * g;
                                   });
     }
   }

@@ -23,6 +23,7 @@ struct Particles {
   std::vector<Mat3> C;                  ///< affine velocity [1/s]; only for affine transfers
   std::vector<VelocityModes> modes;     ///< only for PolyPIC with 8 modes
   std::vector<Mat3> F;                  ///< elastic deformation gradient [-]
+  std::vector<Vec3> force;              ///< of the mesh at its vertices [N]; only with mesh forces
   std::vector<Mat3> tau;                ///< Kirchhoff stress of F [Pa]
   std::vector<Real> tau_c;              ///< state of the material law, see material_response
   std::vector<Real> volume;             ///< rest volume [m3]

@@ -54,12 +54,18 @@ void ReferenceSolver::fill_report(FrameReport& report) const {
     }
     one.kinetic = 0.5 * m * v.squaredNorm();
     one.gravity = -m * gravity_.dot(x);
+    one.max_speed = v.norm();
+    if (mesh_.carries(p)) {
+      const MeshForce::VertexState state = mesh_.at_vertex(materials_, p);
+      one.damaged = state.damaged;
+      one.yielded = state.yielded;
+      return one;
+    }
     one.damaged = is_damaged(p);
     one.yielded = particles_.yielded[i];
     one.elastic =
         particles_.volume[i] * elastic_energy_density(materials_[particles_.material[i]].constants,
                                                       particles_.F[i], one.damaged != 0);
-    one.max_speed = v.norm();
     return one;
   });
   report.frame = frame_;
@@ -69,7 +75,7 @@ void ReferenceSolver::fill_report(FrameReport& report) const {
   report.momentum = sums.momentum;
   report.angular_momentum = sums.angular;
   report.kinetic_energy = sums.kinetic;
-  report.elastic_energy = sums.elastic;
+  report.elastic_energy = sums.elastic + mesh_.elastic_energy(materials_, particles_.x);
   report.gravity_energy = sums.gravity;
   report.dissipated_energy = dissipated_;
   report.external_work = external_work_;
@@ -86,7 +92,9 @@ std::uint64_t ReferenceSolver::state_hash() const {
   hash = hash_values(hash, particles_.C);
   hash = hash_values(hash, particles_.modes);
   hash = hash_values(hash, particles_.F);
-  return hash_values(hash, particles_.tau_c);
+  hash = hash_values(hash, particles_.tau_c);
+  hash = hash_values(hash, mesh_.state().plastic_inverse);
+  return hash_values(hash, mesh_.state().tau_c);
 }
 
 Snapshot ReferenceSolver::snapshot() const {
@@ -102,6 +110,13 @@ Snapshot ReferenceSolver::snapshot() const {
   parallel_for(particles_.count(), kGrain, [&](Index p) {
     const auto i = static_cast<std::size_t>(p);
     out.v[i] = particles_.v[i].cast<float>();
+    if (mesh_.carries(p)) {
+      const MeshForce::VertexState state = mesh_.at_vertex(materials_, p);
+      out.damage[i] = state.damage;
+      out.stress[i] = state.stress;
+      out.yielded[i] = state.yielded;
+      return;
+    }
     const Real full = tau_c0(p);
     const Real lost = full > 0 ? 1 - particles_.tau_c[i] / full : 0;
     out.damage[i] = is_damaged(p) ? 1.0f : static_cast<float>(std::clamp(lost, 0.0, 1.0));
@@ -132,6 +147,11 @@ void ReferenceSolver::save(std::ostream& out) const {
   writer.put(particles_.tau_c);
   writer.put(particles_.mass);
   writer.put(particles_.yielded);
+  writer.put(particles_.force);
+  writer.put(mesh_.state().plastic_inverse);
+  writer.put(mesh_.state().tau);
+  writer.put(mesh_.state().tau_c);
+  writer.put(mesh_.state().yielded);
   writer.write(out, kKind, scene_hash_);
 }
 
@@ -163,6 +183,11 @@ void ReferenceSolver::load(std::istream& in) {
   reader.get(state.particles.tau_c, count);
   reader.get(state.particles.mass, count);
   reader.get(state.particles.yielded, count);
+  reader.get(state.particles.force, particles_.force.size());
+  reader.get(state.mesh.plastic_inverse, mesh_.element_count());
+  reader.get(state.mesh.tau, mesh_.element_count());
+  reader.get(state.mesh.tau_c, mesh_.element_count());
+  reader.get(state.mesh.yielded, mesh_.element_count());
   reader.finish();
   state.particles.volume = particles_.volume;
   state.particles.material = particles_.material;
@@ -182,7 +207,8 @@ double ReferenceSolver::bytes_per_particle() const {
                     (transfer_.carried.multilinear ? sizeof(VelocityModes) : 0) + sizeof(Real) * 3 +
                     sizeof(std::uint16_t) + sizeof(std::uint8_t);
   const Real count = std::max<Real>(1, particles_.count());
-  return 2 * each + sizeof(Vec3i) + (strength_.empty() ? 0 : sizeof(float)) + grid_.bytes() / count;
+  return 2 * each + sizeof(Vec3i) + (strength_.empty() ? 0 : sizeof(float)) +
+         (grid_.bytes() + mesh_.bytes()) / count;
 }
 
 }  // namespace rend

@@ -26,13 +26,6 @@ constexpr Real kMostSteps = 1e7;  // in one advance; more means that the state h
 
 }  // namespace
 
-SolverMaterial::SolverMaterial(const MaterialDesc& material)
-    : desc(material),
-      lame(lame_parameters(material.youngs_modulus, material.poisson_ratio)),
-      constants(law_constants(material)),
-      respond(stress_update(material)),
-      tau_c0(initial_threshold(material.yield_surface)) {}
-
 ReferenceSolver::StepSums& ReferenceSolver::StepSums::operator+=(const StepSums& other) {
   motion += other.motion;
   dissipation += other.dissipation;
@@ -45,15 +38,11 @@ ReferenceSolver::ReferenceSolver(const SceneDesc& scene, const Model& model)
     : scene_(scene),
       dx_(scene.grid.dx),
       transfer_(make_grid_transfer(scene.solver)),
+      materials_(scene.materials.begin(), scene.materials.end()),
       strength_(model.strength),
       scene_hash_(hash_scene(scene, model)),
+      mesh_(scene, model, materials_),
       gravity_(scene.gravity) {
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-    if (scene.bodies[b].force == ForceKind::mesh)
-      throw Error(fmt::format("/bodies/{}/force", b),
-                  "the solver covers \"particle\" forces so far");
-  for (const MaterialDesc& material : scene.materials) materials_.emplace_back(material);
-
   const std::size_t count = model.X.size();
   particles_.x = model.X;
   particles_.v = model.velocity;
@@ -78,6 +67,7 @@ ReferenceSolver::ReferenceSolver(const SceneDesc& scene, const Model& model)
                   fmt::format("particle {} at ({}, {}, {}) m is outside +-2^20 cells of {} m", i,
                               particles_.x[i][0], particles_.x[i][1], particles_.x[i][2], dx_));
   }
+  if (!mesh_.empty()) particles_.force.assign(count, Vec3::Zero());
   first_node_.resize(count);
   measure_motion();
   fill_report(report_);
@@ -92,7 +82,17 @@ ReferenceSolver::StepSums ReferenceSolver::step(Real dt) {
   update_grid(dt);
   if (scene_.solver.transfer == Transfer::xpic)
     add_xpic_series(scene_.solver.xpic_order, transfer_, particles_, dx_, grid_);
-  return grid_to_particles(dt);
+  StepSums sums = grid_to_particles(dt);
+  evaluate_mesh(sums);
+  return sums;
+}
+
+void ReferenceSolver::evaluate_mesh(StepSums& sums) {
+  if (mesh_.empty() || sums.fault.status != Status::ok) return;
+  const MeshForce::Sums mesh = mesh_.evaluate(materials_, particles_.x, particles_.force);
+  sums.dissipation += mesh.dissipation;
+  sums.clamped += mesh.clamped;
+  sums.motion.element_rate = std::max(sums.motion.element_rate, mesh.rate);
 }
 
 void ReferenceSolver::bin_particles() {
@@ -175,9 +175,10 @@ void ReferenceSolver::move_particle(Index p, const GridSample& sample, Real dt, 
   const Vec3 displacement = dt * sample.pic;
   particles_.x[i] += displacement;
   const Mat3 H = dt * sample.gradient;
-  particles_.F[i] = scene_.solver.deformation_update == DeformationUpdate::exponential
-                        ? Mat3(matrix_exponential(H) * particles_.F[i])
-                        : Mat3(particles_.F[i] + H * particles_.F[i]);
+  if (!mesh_.carries(p))
+    particles_.F[i] = scene_.solver.deformation_update == DeformationUpdate::exponential
+                          ? Mat3(matrix_exponential(H) * particles_.F[i])
+                          : Mat3(particles_.F[i] + H * particles_.F[i]);
   respond(p, sums);
   sums.motion.gradient = std::max(sums.motion.gradient, sample.gradient.norm());
   watch(p, displacement, dt, sums);
@@ -185,6 +186,14 @@ void ReferenceSolver::move_particle(Index p, const GridSample& sample, Real dt, 
 
 void ReferenceSolver::respond(Index p, StepSums& sums) {
   const auto i = static_cast<std::size_t>(p);
+  Real speed = particles_.v[i].norm();
+  if (transfer_.carried.affine) speed += std::sqrt(3.0) * dx_ * particles_.C[i].norm();
+  if (transfer_.carried.multilinear) {
+    speed += std::sqrt(3.0) * dx_ * dx_ * particles_.modes[i].leftCols<3>().norm() +
+             dx_ * dx_ * dx_ * particles_.modes[i].col(3).norm();
+  }
+  sums.motion.speed = std::max(sums.motion.speed, speed);
+  if (mesh_.carries(p)) return;
   const SolverMaterial& material = materials_[particles_.material[i]];
   const PointUpdate update =
       material.respond(material.constants, particles_.F[i], particles_.tau_c[i], tau_c0(p));
@@ -196,13 +205,6 @@ void ReferenceSolver::respond(Index p, StepSums& sums) {
       std::max(sums.motion.stiffness,
                wave_stiffness(material.lame.mu, material.lame.lambda, update.least_stress) /
                    material.desc.density);
-  Real speed = particles_.v[i].norm();
-  if (transfer_.carried.affine) speed += std::sqrt(3.0) * dx_ * particles_.C[i].norm();
-  if (transfer_.carried.multilinear) {
-    speed += std::sqrt(3.0) * dx_ * dx_ * particles_.modes[i].leftCols<3>().norm() +
-             dx_ * dx_ * dx_ * particles_.modes[i].col(3).norm();
-  }
-  sums.motion.speed = std::max(sums.motion.speed, speed);
 }
 
 void ReferenceSolver::watch(Index p, const Vec3& displacement, Real dt, StepSums& sums) const {
@@ -290,8 +292,10 @@ void ReferenceSolver::measure_motion() {
       one.motion.gradient = particles_.C[static_cast<std::size_t>(p)].norm();
     return one;
   });
-  motion_ = sums.motion;
-  dissipated_ += sums.dissipation;
+  StepSums all = sums;
+  evaluate_mesh(all);
+  motion_ = all.motion;
+  dissipated_ += all.dissipation;
   for (const PosedCollider& c : pose_colliders(scene_.colliders, time_))
     motion_.collider_speed = std::max(motion_.collider_speed, fastest_point(c));
 }
@@ -321,12 +325,13 @@ Fault ReferenceSolver::first_bad_particle() const {
 }
 
 void ReferenceSolver::remember() {
-  good_ = {particles_, time_, dissipated_, external_work_, motion_};
+  good_ = {particles_, mesh_.state(), time_, dissipated_, external_work_, motion_};
 }
 
 void ReferenceSolver::restore() {
   if (good_.particles.count() != particles_.count()) return;
   particles_ = good_.particles;
+  mesh_.set_state(good_.mesh);
   time_ = good_.time;
   dissipated_ = good_.dissipated;
   external_work_ = good_.external_work;
@@ -345,6 +350,7 @@ void ReferenceSolver::set_material(std::size_t index, const MaterialDesc& materi
       particles_.tau_c[i] =
           old.tau_c0 > 0 ? particles_.tau_c[i] * (now.tau_c0 / old.tau_c0) : tau_c0(p);
   }
+  mesh_.rescale_thresholds(materials_, index, old.tau_c0);
   measure_motion();
 }
 

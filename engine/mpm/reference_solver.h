@@ -2,10 +2,10 @@
 // solver.
 #pragma once
 
-#include "engine/material/material_point.h"
 #include "engine/mpm/block_grid.h"
 #include "engine/mpm/fault.h"
 #include "engine/mpm/grid_transfer.h"
+#include "engine/mpm/mesh_force.h"
 #include "engine/mpm/particles.h"
 #include "engine/mpm/solver.h"
 #include "engine/mpm/time_step.h"
@@ -14,22 +14,10 @@
 
 namespace rend {
 
-/// One material as the solver uses it.
-struct SolverMaterial {
-  explicit SolverMaterial(const MaterialDesc& material);
-
-  MaterialDesc desc;
-  Lame lame;
-  LawConstants<Real> constants;
-  StressUpdate respond;
-  Real tau_c0;  ///< of a particle with strength 1 [Pa]
-};
-
 class ReferenceSolver : public Solver {
  public:
-  /// @throws Error for a scheme or force that it does not cover, and for particles that are not
-  /// finite or outside
-  /// +-2^20 cells.
+  /// @throws Error for particles that are not finite or outside +-2^20 cells, and for flat tets
+  /// that carry forces.
   ReferenceSolver(const SceneDesc& scene, const Model& model);
 
   FrameReport advance(Real duration, const BetweenSteps& between = {}) override;
@@ -60,6 +48,7 @@ class ReferenceSolver : public Solver {
   // Everything that a bad frame must give back.
   struct State {
     Particles particles;
+    MeshState mesh;
     Real time = 0;
     Real dissipated = 0, external_work = 0;
     MotionExtremes motion;
@@ -70,6 +59,7 @@ class ReferenceSolver : public Solver {
   void particles_to_grid();
   void update_grid(Real dt);
   StepSums grid_to_particles(Real dt);
+  void evaluate_mesh(StepSums& sums);
 
   void move_particle(Index p, const GridSample& sample, Real dt, StepSums& sums);
   void respond(Index p, StepSums& sums);
@@ -91,6 +81,7 @@ class ReferenceSolver : public Solver {
   std::uint64_t scene_hash_ = 0;
 
   Particles particles_;
+  MeshForce mesh_;
   BlockGrid grid_;
   std::vector<Vec3i> first_node_;
   Vec3 gravity_;

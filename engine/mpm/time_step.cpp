@@ -6,10 +6,20 @@
 
 namespace rend {
 
+namespace {
+
+bool keeps_affine_velocity(const SolverDesc& solver) {
+  return solver.transfer == Transfer::apic || solver.transfer == Transfer::rpic ||
+         (solver.transfer == Transfer::polypic && solver.polypic_modes >= 4);
+}
+
+}  // namespace
+
 MotionExtremes& MotionExtremes::operator+=(const MotionExtremes& other) {
   stiffness = std::max(stiffness, other.stiffness);
   speed = std::max(speed, other.speed);
   gradient = std::max(gradient, other.gradient);
+  element_rate = std::max(element_rate, other.element_rate);
   collider_speed = std::max(collider_speed, other.collider_speed);
   return *this;
 }
@@ -19,8 +29,7 @@ Real wave_stiffness(Real mu, Real lambda, Real least_principal_stress) {
 }
 
 Real stable_share(const SolverDesc& solver) {
-  const bool affine = solver.transfer == Transfer::apic || solver.transfer == Transfer::rpic ||
-                      (solver.transfer == Transfer::polypic && solver.polypic_modes >= 4);
+  const bool affine = keeps_affine_velocity(solver);
   const bool cubic = solver.kernel == Kernel::cubic;
   const Real inverse_inertia = cubic ? 3 : 4;
   const Real S = solver.force_form == ForceForm::mls ? inverse_inertia : (cubic ? 3.137 : 6.0);
@@ -40,6 +49,7 @@ Real choose_time_step(const SolverDesc& solver, Real dx, const MotionExtremes& m
       if (rate > 0) dt = std::min(dt, solver.cfl * length_or_strain / rate);
     };
     limit(stable_share(solver) * dx, std::sqrt(motion.stiffness));
+    limit(keeps_affine_velocity(solver) ? 1 : std::sqrt(0.5), motion.element_rate);
     limit(dx, std::max(motion.speed, motion.collider_speed));
     limit(0.5, motion.gradient);
   }

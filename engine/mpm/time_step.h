@@ -11,6 +11,7 @@ struct MotionExtremes {
   Real stiffness = 0;       ///< max over particles of wave_stiffness() / rest density [m2/s2]
   Real speed = 0;           ///< max of |v_p| + sqrt(3) dx |C_p| [m/s]
   Real gradient = 0;        ///< max of the Frobenius norm of grad v [1/s]
+  Real element_rate = 0;    ///< see MeshForce::Sums::rate [1/s]
   Real collider_speed = 0;  ///< fastest point of a collider that can be met [m/s]
 
   MotionExtremes& operator+=(const MotionExtremes& other);  ///< the larger of each
@@ -28,9 +29,10 @@ Real wave_stiffness(Real mu, Real lambda, Real least_principal_stress);
 /// PIC and FLIP sqrt(2 / S).
 Real stable_share(const SolverDesc& solver);
 
-/// The step [s]: `cfl` of the stable step, of a cell crossed by the fastest particle or collider,
-/// and a strain of at most cfl / 2; or the fixed step of the scene. Divides what remains of the
-/// frame evenly.
+/// The step [s]: `cfl` of the stable step, of that of mesh elements (1 / rate, over sqrt(2) with
+/// the damping of transfers without affine velocities), of a cell crossed by the fastest particle
+/// or collider, and a strain of at most cfl / 2; or the fixed step of the scene. Divides what
+/// remains of the frame evenly.
 Real choose_time_step(const SolverDesc& solver, Real dx, const MotionExtremes& motion,
                       Real remaining);
 

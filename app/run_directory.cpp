@@ -15,6 +15,13 @@ namespace rend {
 
 namespace {
 
+/// Mesh files are named by where they were found, so that the copy reads from any folder.
+SceneDesc with_found_meshes(SceneDesc scene) {
+  for (BodyDesc& body : scene.bodies)
+    if (auto* mesh = std::get_if<MeshDesc>(&body.shape)) mesh->file = std::filesystem::absolute(mesh->path);
+  return scene;
+}
+
 void make_folder(const std::filesystem::path& folder) {
   std::error_code code;
   std::filesystem::create_directories(folder, code);
@@ -33,7 +40,7 @@ RunDirectory::RunDirectory(OutputOptions options, const Stage& stage, const Mode
     make_folder(options_.out / "mesh");
     make_folder(options_.out / "particles");
   }
-  write_file(options_.out / "scene.json", write_scene(stage.scene));
+  write_file(options_.out / "scene.json", write_scene(with_found_meshes(stage.scene)));
   table_ = frame_table_header();
 }
 

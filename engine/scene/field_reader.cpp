@@ -318,7 +318,7 @@ std::string find_mesh_file(const std::string& file,
   std::string ending = name.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  constexpr std::string_view known[] = {".obj", ".off", ".ply", ".stl"};
+  constexpr std::string_view known[] = {".obj", ".off", ".ply", ".stl", ".gltf", ".glb"};
   if (std::find(std::begin(known), std::end(known), ending) == std::end(known))
     throw Error(place,
                 fmt::format("is \"{}\"; a mesh file must end in {}", file, fmt::join(known, ", ")));

@@ -38,7 +38,7 @@ void describe_shape(FieldVisitor& v, PrismDesc& prism) {
 }
 void describe_shape(FieldVisitor& v, MeshDesc& mesh) {
   v.mesh_file({"file",
-               "closed surface as .obj, .off, .ply or .stl; looked for next to the scene, "
+               "closed surface as .obj, .off, .ply, .stl, .gltf or .glb; looked for next to the scene, "
                "then in the mesh folders",
                true},
               mesh.file, mesh.path);

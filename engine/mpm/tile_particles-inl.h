@@ -134,7 +134,7 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, floa
   if constexpr (kPass == Pass::fused) {
     for (int a = 0; a < 3; ++a) store(v[a], work.v[t][a]);
     for (int i = 0; i < 9; ++i) store(C[i], work.C[t][i]);
-    stencil_weights(x, offset, work.weights[t]);
+    stencil_weights<Transfers::scatter>(x, offset, work.weights[t]);
     for (int a = 0; a < 3; ++a) store(offset[a], work.offset[t][a]);
   } else {
     for (int a = 0; a < 3; ++a) store(v[a], motion + a * kLanes);
@@ -175,10 +175,11 @@ HWY_INLINE void store_rows(const float* nodes, BlockTask& task) {
 }
 
 /// Weights of the positions in a tile as they are now.
+template <Transfers kFor>
 HWY_INLINE void weigh_tile(const float* tile, int t, Work& work) {
   const Lanes x[3] = {load(tile), load(tile + kLanes), load(tile + 2 * kLanes)};
   Lanes offset[3];
-  stencil_weights(x, offset, work.weights[t]);
+  stencil_weights<kFor>(x, offset, work.weights[t]);
   for (int a = 0; a < 3; ++a) store(offset[a], work.offset[t][a]);
 }
 
@@ -207,7 +208,8 @@ HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
       const int tiles = (count + kLanes - 1) / kLanes;
       float* const begin = run.tiles + std::size_t(first / kLanes) * tile_floats;
       float* const motion = run.motion + std::size_t(first / kLanes) * kMotionFloats;
-      for (int t = 0; t < tiles; ++t) weigh_tile(begin + t * tile_floats, t, work);
+      constexpr Transfers kFirst = kPass == Pass::scatter ? Transfers::scatter : Transfers::gather;
+      for (int t = 0; t < tiles; ++t) weigh_tile<kFirst>(begin + t * tile_floats, t, work);
       if constexpr (kPass == Pass::scatter) {
         for (int t = 0; t < tiles; ++t) load_motion(motion + t * kMotionFloats, t, work);
         stress_batch(material, step.layout, begin, tiles, work);

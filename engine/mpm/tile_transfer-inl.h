@@ -36,7 +36,8 @@ inline constexpr int kPlane = 8 * kNodeRowFloats;
 /// Quadratic B-spline weights of sixteen particles. Four z weights (the last is 0) lie together,
 /// particle l at wz[l & 3][l >> 2], as a 4 x 4 transpose leaves them.
 struct alignas(64) Weights {
-  float wx[3][16], wy[3][16];
+  float wx[3][16], wy[3][16];  ///< for the gather
+  float wxy[9][16];            ///< products, for the scatter
   float wz[4][4][4];
   std::int32_t base[16];  ///< first node of the stencil, 64 x + 8 y + z in the tile
 };
@@ -62,8 +63,11 @@ struct alignas(64) Work {
   float stress[kBatch][6][16];
 };
 
+enum class Transfers { gather, scatter };
+
 /// Weights of N(x) and the offset from the centre node. The base is clamped to the tile, so that no
 /// position, not even NaN, can write outside it.
+template <Transfers kFor>
 HWY_INLINE void stencil_weights(const Lanes* x, Lanes* offset, Weights& w) {
   const Lanes half(0.5f);
   Lanes base[3], n[3][3];
@@ -79,9 +83,14 @@ HWY_INLINE void stencil_weights(const Lanes* x, Lanes* offset, Weights& w) {
   store_int(mul_add(base[0], Lanes(64.0f), mul_add(base[1], Lanes(8.0f), base[2])) +
                 Lanes(2.0f * 64 + 2 * 8 + 2),
             w.base);
-  for (int i = 0; i < 3; ++i) {
-    store(n[0][i], w.wx[i]);
-    store(n[1][i], w.wy[i]);
+  if constexpr (kFor == Transfers::gather) {
+    for (int i = 0; i < 3; ++i) {
+      store(n[0][i], w.wx[i]);
+      store(n[1][i], w.wy[i]);
+    }
+  } else {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) store(n[0][i] * n[1][j], w.wxy[3 * i + j]);
   }
   Lanes z[4];
   transpose4(n[2][0], n[2][1], n[2][2], Lanes(0.0f), z);
@@ -95,35 +104,22 @@ HWY_INLINE std::uint64_t stencil_rows(std::int32_t base) { return 0x070707ull <<
 HWY_INLINE Lanes gather_particle(const float* nodes, const Weights& w, int lane, Lanes z_index) {
   const Lanes wz = spread4(w.wz[lane & 3][lane >> 2]);
   const Lanes y0(w.wy[0][lane]), y1(w.wy[1][lane]), y2(w.wy[2][lane]);
-  Lanes sum, sum_x, sum_y;
-  {
-    const Lanes p0 = y0 * load_unaligned(nodes);
-    const Lanes p1 = y1 * load_unaligned(nodes + kNodeRowFloats);
-    const Lanes p2 = y2 * load_unaligned(nodes + 2 * kNodeRowFloats);
-    const Lanes x(w.wx[0][lane]);
-    sum = x * (p1 + (p0 + p2));
-    sum_y = x * (p2 - p0);
-  }
-  {
-    const float* b = nodes + kPlane;
+  Lanes sum, sum_x, sum_y, first;
+  for (int i = 0; i < 3; ++i) {
+    const float* b = nodes + i * kPlane;
     const Lanes p0 = y0 * load_unaligned(b);
-    const Lanes p1 = y1 * load_unaligned(b + kNodeRowFloats);
-    const Lanes p2 = y2 * load_unaligned(b + 2 * kNodeRowFloats);
-    const Lanes x(w.wx[1][lane]);
-    sum_x = x * (p1 + (p0 + p2));
-    sum_y = mul_add(x, p2 - p0, sum_y);
-  }
-  {
-    const float* b = nodes + 2 * kPlane;
-    const Lanes p0 = y0 * load_unaligned(b);
-    const Lanes p1 = y1 * load_unaligned(b + kNodeRowFloats);
-    const Lanes p2 = y2 * load_unaligned(b + 2 * kNodeRowFloats);
-    const Lanes x(w.wx[2][lane]);
-    const Lanes last = x * (p1 + (p0 + p2));
-    const Lanes middle = sum_x;
-    sum_x = last - sum;
-    sum = (sum + last) + middle;
-    sum_y = mul_add(x, p2 - p0, sum_y);
+    const Lanes row2 = load_unaligned(b + 2 * kNodeRowFloats);
+    const Lanes plane = mul_add(y2, row2, mul_add(y1, load_unaligned(b + kNodeRowFloats), p0));
+    const Lanes plane_y = mul_sub(y2, row2, p0);
+    const Lanes x(w.wx[i][lane]);
+    if (i == 0) {
+      first = sum = x * plane;
+      sum_y = x * plane_y;
+    } else {
+      if (i == 2) sum_x = mul_sub(x, plane, first);
+      sum = mul_add(x, plane, sum);
+      sum_y = mul_add(x, plane_y, sum_y);
+    }
   }
   sum = sum * wz;
   return sum_groups(sum, sum_x * wz, sum_y * wz, sum * z_index);
@@ -209,15 +205,15 @@ HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, 
       }
       const Lanes wz = spread4(w.wz[l & 3][l >> 2]);
       const Lanes X = repeat4(m.of(1, l)) * wz, Y = repeat4(m.of(2, l)) * wz;
-      Lanes plane = mul_sub(mul_add(repeat4(m.of(3, l)), z_index, repeat4(m.of(0, l))), wz, X);
-      const Lanes y0(w.wy[0][l]), y1(w.wy[1][l]), y2(w.wy[2][l]);
+      const Lanes centre = mul_add(repeat4(m.of(3, l)), z_index, repeat4(m.of(0, l))) * wz;
       for (int i = 0; i < 3; ++i) {
-        const Lanes wx(w.wx[i][l]);
-        const Lanes p = wx * plane, r = wx * Y;
-        sums.row[i][0] = mul_add(y0, p - r, sums.row[i][0]);
-        sums.row[i][1] = mul_add(y1, p, sums.row[i][1]);
-        sums.row[i][2] = mul_add(y2, p + r, sums.row[i][2]);
-        plane += X;
+        const Lanes plane = i == 0 ? centre - X : i == 1 ? centre : centre + X;
+        const auto add = [&](int j, Lanes node) HWY_ATTR {
+          sums.row[i][j] = mul_add(Lanes(w.wxy[3 * i + j][l]), node, sums.row[i][j]);
+        };
+        add(0, plane - Y);
+        add(1, plane);
+        add(2, plane + Y);
       }
     }
   }

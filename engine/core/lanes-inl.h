@@ -363,6 +363,8 @@ HWY_INLINE Lanes spread4(const float* p) {
   return Lanes(hn::BitCast(
       d, hn::TableLookupBytes(hn::BitCast(d8, hn::LoadDup128(d, p)), hn::Load(d8, kSpreadBytes))));
 }
+/// What a part of a row needs of spread4: all of it, or with 128-bit vectors one number.
+HWY_INLINE WideVec<16> spread_part(const float* p, int) { return spread4(p).v; }
 /// Group r of the result is the sum of the four groups of argument r.
 HWY_INLINE Lanes sum_groups(Lanes r0, Lanes r1, Lanes r2, Lanes r3) {
   const hn::FixedTag<float, 16> d;
@@ -392,6 +394,7 @@ HWY_INLINE Lanes spread4(const float* p) {
   return Lanes({hn::BitCast(d, hn::TableLookupBytes(t, hn::Load(d8, kSpreadBytes))),
                 hn::BitCast(d, hn::TableLookupBytes(t, hn::Load(d8, kSpreadBytes + 32)))});
 }
+HWY_INLINE WideVec<16> spread_part(const float* p, int) { return spread4(p).v; }
 HWY_INLINE Lanes sum_groups(Lanes r0, Lanes r1, Lanes r2, Lanes r3) {
   const hn::FixedTag<float, 8> d;
   const auto s0 = r0.v.a + r0.v.b, s1 = r1.v.a + r1.v.b;
@@ -418,6 +421,7 @@ HWY_INLINE Lanes spread4(const float* p) {
   return Lanes(
       {{hn::Broadcast<0>(t), hn::Broadcast<1>(t)}, {hn::Broadcast<2>(t), hn::Broadcast<3>(t)}});
 }
+HWY_INLINE WideVec<4> spread_part(const float* p, int part) { return wide_set<4>(p[part]); }
 HWY_INLINE WideVec<4> sum_quarters(Lanes r) { return (r.v.a.a + r.v.b.a) + (r.v.a.b + r.v.b.b); }
 HWY_INLINE Lanes sum_groups(Lanes r0, Lanes r1, Lanes r2, Lanes r3) {
   return Lanes({{sum_quarters(r0), sum_quarters(r1)}, {sum_quarters(r2), sum_quarters(r3)}});

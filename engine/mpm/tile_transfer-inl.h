@@ -160,16 +160,23 @@ HWY_INLINE void pack_momentum(Lanes mass, const Lanes* v, const Lanes* A, const 
   }
 }
 
+/// With 128-bit vectors a row of four nodes goes through the scatter node by node, so that the nine
+/// row sums stay in registers; the fourth node is left out because its weight is 0. Wider vectors
+/// keep the row together: AVX2 and AVX-512 must add to a node in the same order.
+inline constexpr size_t kPart = kLeaf == 4 ? 4 : 16;
+inline constexpr int kParts = kLeaf == 4 ? 3 : 1;
+using PartVec = WideVec<kPart>;
+
 /// Nine row accumulators of the stencil that consecutive particles share.
 struct StencilSums {
-  Lanes row[3][3];
+  PartVec row[3][3];
 
   HWY_INLINE void clear() {
     for (auto& plane : row)
-      for (Lanes& r : plane) r = Lanes(0.0f);
+      for (PartVec& r : plane) r = wide_set<kPart>(0.0f);
   }
   /// Adds the sums to the tile; rows touched for the first time are cleared.
-  HWY_INLINE void flush(float* nodes, std::int32_t base, std::uint64_t& touched) const {
+  HWY_INLINE void flush(float* nodes, int part, std::int32_t base, std::uint64_t& touched) const {
     std::uint64_t fresh = stencil_rows(base) & ~touched;
     touched |= fresh;
     for (; fresh; fresh &= fresh - 1) {
@@ -177,19 +184,20 @@ struct StencilSums {
       store(Lanes(0.0f), r);
       store(Lanes(0.0f), r + 16);
     }
-    float* b = nodes + std::size_t(base) * 4;
+    float* b = nodes + std::size_t(base) * 4 + part * kPart;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         float* r = b + i * kPlane + j * kNodeRowFloats;
-        store_unaligned(load_unaligned(r) + row[i][j], r);
+        wide_store_unaligned<kPart>(wide_load_unaligned<kPart>(r) + row[i][j], r);
       }
   }
 };
 
-/// Scatters w (p + A (x_i - centre)) and w m of a batch of tiles holding `count` particles.
-HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, int count,
-                              float* nodes, std::uint64_t& touched) {
-  const Lanes z_index = group_index() - Lanes(1.0f);
+/// Scatters part `part` of w (p + A (x_i - centre)) and w m of a batch of tiles holding `count`
+/// particles.
+HWY_INLINE void scatter_part(const Weights* weights, const Momentum* momentum, int count, int part,
+                             float* nodes, std::uint64_t& touched) {
+  const PartVec z_index = wide_load<kPart>(kGroupIndex + part * kPart) - wide_set<kPart>(1.0f);
   StencilSums sums;
   sums.clear();
   std::int32_t base = weights[0].base[0];
@@ -199,17 +207,20 @@ HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, 
     const int lanes = count - first < 16 ? count - first : 16;
     for (int l = 0; l < lanes; ++l) {
       if (w.base[l] != base) {
-        sums.flush(nodes, base, touched);
+        sums.flush(nodes, part, base, touched);
         base = w.base[l];
         sums.clear();
       }
-      const Lanes wz = spread4(w.wz[l & 3][l >> 2]);
-      const Lanes X = repeat4(m.of(1, l)) * wz, Y = repeat4(m.of(2, l)) * wz;
-      const Lanes centre = mul_add(repeat4(m.of(3, l)), z_index, repeat4(m.of(0, l))) * wz;
+      const PartVec wz = spread_part(w.wz[l & 3][l >> 2], part);
+      const PartVec X = wide_repeat4<kPart>(m.of(1, l)) * wz;
+      const PartVec Y = wide_repeat4<kPart>(m.of(2, l)) * wz;
+      const PartVec centre =
+          wide_mul_add(wide_repeat4<kPart>(m.of(3, l)), z_index, wide_repeat4<kPart>(m.of(0, l))) *
+          wz;
       for (int i = 0; i < 3; ++i) {
-        const Lanes plane = i == 0 ? centre - X : i == 1 ? centre : centre + X;
-        const auto add = [&](int j, Lanes node) HWY_ATTR {
-          sums.row[i][j] = mul_add(Lanes(w.wxy[3 * i + j][l]), node, sums.row[i][j]);
+        const PartVec plane = i == 0 ? centre - X : i == 1 ? centre : centre + X;
+        const auto add = [&](int j, PartVec node) HWY_ATTR {
+          sums.row[i][j] = wide_mul_add(wide_set<kPart>(w.wxy[3 * i + j][l]), node, sums.row[i][j]);
         };
         add(0, plane - Y);
         add(1, plane);
@@ -217,7 +228,13 @@ HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, 
       }
     }
   }
-  sums.flush(nodes, base, touched);
+  sums.flush(nodes, part, base, touched);
+}
+
+HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, int count,
+                              float* nodes, std::uint64_t& touched) {
+  for (int part = 0; part < kParts; ++part)
+    scatter_part(weights, momentum, count, part, nodes, touched);
 }
 
 }  // namespace HWY_NAMESPACE

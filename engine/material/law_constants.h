@@ -6,7 +6,7 @@
 
 namespace rend {
 
-inline constexpr int kMaxSurfaceConstants = 10;
+inline constexpr int kMaxSurfaceConstants = 13;
 
 /// Lame parameters of St. Venant-Kirchhoff elasticity in Hencky strain [Pa].
 struct Lame {

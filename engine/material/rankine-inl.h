@@ -57,6 +57,25 @@ struct Rankine {
     return max(max(tau[0], tau[1]), tau[2]) - tau_c;
   }
 
+  /// Plastic strain that cuts every principal stress at `cap`.
+  template <class S>
+  static REND_LAW_INLINE Triple<S> plastic_at(const LawConstants<S>& k, const Triple<S>& eps,
+                                              S cap) {
+    const S* c = k.surface;
+    const S zero(0);
+    const S high = max(eps[0], eps[1]), low = min(eps[0], eps[1]);
+    const S e1 = max(high, eps[2]), e2 = max(low, min(high, eps[2])), e3 = min(low, eps[2]);
+    const S pressure = k.lambda * trace(eps);
+    const S over1 = k.mu2 * e1 + pressure - cap;
+    const S over2 = over1 + (k.mu2 * e2 + pressure - cap);
+    const S over3 = over2 + (k.mu2 * e3 + pressure - cap);
+    const S sum = max(max(over1 * c[kFlow1], zero), max(over2 * c[kFlow2], over3 * c[kFlow3]));
+    const S relief = pressure - k.lambda * sum - cap;
+    Triple<S> plastic;
+    for (int i = 0; i < 3; ++i) plastic[i] = max((k.mu2 * eps[i] + relief) / k.mu2, zero);
+    return plastic;
+  }
+
   template <class S>
   static REND_LAW_INLINE ReturnMap<S> return_map(const LawConstants<S>& k, const Triple<S>& eps,
                                                  S tau_c) {
@@ -75,15 +94,9 @@ struct Rankine {
     const S softened =
         select(yielded, c[kKeep] * max(tau_c - c[kAlpha] * max(root, zero), zero), tau_c);
 
-    // Cap every principal stress at the threshold: sum is the total plastic strain.
     const S cap = select(c[kExplicit] > zero, tau_c, softened);
-    const S over1 = k.mu2 * e1 + pressure - cap;
-    const S over2 = over1 + (k.mu2 * e2 + pressure - cap);
-    const S over3 = over2 + (k.mu2 * e3 + pressure - cap);
-    const S sum = max(max(over1 * c[kFlow1], zero), max(over2 * c[kFlow2], over3 * c[kFlow3]));
-    const S relief = k.inverse_mu2 * (pressure - k.lambda * sum - cap);
-    Triple<S> plastic;
-    for (int i = 0; i < 3; ++i) plastic[i] = select(yielded, max(eps[i] + relief, zero), zero);
+    Triple<S> plastic = plastic_at(k, eps, cap);
+    for (int i = 0; i < 3; ++i) plastic[i] = select(yielded, plastic[i], zero);
     const S driver = max(max(plastic[0], plastic[1]), plastic[2]);
     return {plastic, softened, softening_work(tau_c, softened, trace(plastic), c[kAlpha], driver),
             yielded};

@@ -6,8 +6,11 @@
 #define REND_MATERIAL_YIELD_SURFACE_LIST_INL_H_
 #endif
 
+#include "engine/material/cam_clay-inl.h"
+#include "engine/material/drucker_prager-inl.h"
 #include "engine/material/elastic-inl.h"
 #include "engine/material/rankine-inl.h"
+#include "engine/material/rankine_von_mises-inl.h"
 #include "engine/material/von_mises-inl.h"
 
 REND_LAW_BEGIN()
@@ -18,9 +21,12 @@ struct LawList {
 };
 
 /// The order is the type index of YieldSurface; elastic comes first.
-using YieldSurfaceList = LawList<Elastic,  //
-                                 Rankine,  //
-                                 VonMises>;
+using YieldSurfaceList = LawList<Elastic,          //
+                                 Rankine,          //
+                                 VonMises,         //
+                                 RankineVonMises,  //
+                                 DruckerPrager,    //
+                                 CamClay>;
 
 /// Law number Type of the list.
 template <int Type, class List = YieldSurfaceList>

@@ -49,7 +49,7 @@ void check_properties(S tolerance) {
     for (Real poisson_ratio : {0.0, 0.3, 0.49, -0.3})
       for (Real softening : {0.0, 0.2, -0.4, 5.0})
         with_yield_surface(type, [&](auto law) {
-          CAPTURE(law.kName);
+          CAPTURE(std::string(law.kName));
           CAPTURE(poisson_ratio);
           CAPTURE(softening);
           const Real tau_c0 = 0.05;
@@ -69,7 +69,7 @@ void check_properties(S tolerance) {
             // Admissible with the softened threshold, and the threshold stays a strength.
             REQUIRE(law.value(k, eps, map.tau_c) <= tol);
             REQUIRE(map.tau_c >= S(0));
-            if (softening >= 0) REQUIRE(map.tau_c <= tau_c);
+            if (softening >= 0 && !find_parameter(type, "hardening")) REQUIRE(map.tau_c <= tau_c);
             // Elastic states are not touched; yielding is what value() says.
             REQUIRE(map.yielded == (law.value(k, trial, tau_c) > S(0)));
             if (!map.yielded) {
@@ -98,7 +98,7 @@ void check_properties(S tolerance) {
                 law.return_map(k, Triple<S>{{trial[2], trial[0], trial[1]}}, tau_c);
             for (int i = 0; i < 3; ++i)
               REQUIRE(std::abs(rolled.plastic[(i + 1) % 3] - map.plastic[i]) <= tol);
-            REQUIRE(std::abs(rolled.tau_c - map.tau_c) <= tol);
+            REQUIRE(std::abs(rolled.tau_c - map.tau_c) <= tol * (S(1) + map.tau_c));
           }
           if (type > 0) CHECK(yields > trials / 10);
         });

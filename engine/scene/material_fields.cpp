@@ -34,8 +34,8 @@ void describe_yield_parameters(FieldVisitor& v, MaterialDesc& m, int type) {
     if (v.fills()) value = p.fallback;
     v.number({p.name, p.help, std::isnan(p.fallback)}, value, {p.unit, p.min, p.max});
   }
-  if (!can_soften) return;
-  v.exclusive("fracture_energy", "softening");
+  if (can_soften) v.exclusive("fracture_energy", "softening");
+  if (!softening) return;
   choose(v,
          {"softening_rule",
           "implicit: the softened threshold holds after the return; explicit: "

@@ -80,7 +80,8 @@ class SceneDraw {
     const auto parameters = yield_surface_parameters(m.yield_surface.type);
     for (std::size_t i = 0; i < parameters.size(); ++i)
       m.yield_surface.value[i] = std::clamp(number(0, 1e4), parameters[i].min, parameters[i].max);
-    if (!parameters.empty()) m.softening_rule = pick<SofteningRule>(2);
+    if (find_parameter(m.yield_surface.type, "softening"))
+      m.softening_rule = pick<SofteningRule>(2);
     m.damage = {pick<DamageType>(3), number(0, 1), number(0, 1), number(0, 80)};
     if (flip()) m.strength_field = {number(1, 50), number(0.01, 1)};
     return m;

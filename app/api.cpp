@@ -5,6 +5,7 @@
 #include "app/ply.h"
 #include "app/version.h"
 #include "engine/core/error.h"
+#include "web/assets.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -234,10 +235,18 @@ Response get_series(const ApiContext& context, const Request& request) {
   return reply({{"from", first}, {"frames", frames}, {"columns", columns}});
 }
 
+/// The picture of a scene that was embedded at build time, or 204.
+Response embedded_thumbnail(const std::string& scene) {
+  for (const web::Asset& asset : web::page_assets())
+    if (asset.path == "/thumbs/" + scene + ".jpg") return {200, "image/jpeg", std::string(asset.bytes), {}};
+  return {204, "text/plain", "", {}};
+}
+
 Response get_thumbnail(const ApiContext& context, const Request& request) {
   const SessionState state = context.session.state();
   const auto recorded = context.session.frame(-1);
-  if (request.parts.at(0) != state.scene_name || !recorded || !state.stage) return {204, "text/plain", "", {}};
+  const std::string& scene = request.parts.at(0);
+  if (scene != state.scene_name || !recorded || !state.stage) return embedded_thumbnail(scene);
   View view = default_view(state.stage->scene);
   view.width = 320;
   view.height = 200;

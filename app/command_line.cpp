@@ -3,6 +3,7 @@
 
 #include "app/bench_command.h"
 #include "app/check_command.h"
+#include "app/gallery_command.h"
 #include "app/probe_command.h"
 #include "app/run_command.h"
 #include "app/scene_library.h"
@@ -51,6 +52,8 @@ struct CommandLine {
   std::string size = "1280x720";
   RunOptions run;
   ServeOptions serve;
+  GalleryOptions gallery;
+  bool thumbs = false;
   std::string material, path;
   BenchOptions bench;
   int threads = 0;
@@ -181,6 +184,24 @@ void add_bench(CLI::App& app, CommandLine& line) {
   });
 }
 
+void add_gallery(CLI::App& app, CommandLine& line) {
+  CLI::App* command = app.add_subcommand("gallery", "Run the scenes of scenes/ and make the page docs/gallery from them");
+  command->add_option("--out", line.gallery.out, "Folder of the page instead of docs/gallery");
+  command->add_option("--only", line.gallery.only, "Scene to run (repeatable); others keep what they have");
+  command->add_option("--passes", line.gallery.accumulate, "Render passes per picture")->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_flag("--thumbs", line.thumbs, "Also write the thumbnails that the page embeds, web/page/thumbs");
+  command->callback([&line] {
+    line.action = [&line] {
+      const std::filesystem::path root = source_root();
+      line.gallery.gl = line.gl;
+      if (line.gallery.out.empty()) line.gallery.out = root / "docs" / "gallery";
+      if (line.thumbs) line.gallery.thumbs = root / "web" / "page" / "thumbs";
+      return make_gallery(SceneLibrary(root), line.gallery);
+    };
+  });
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
@@ -199,6 +220,7 @@ int run_command_line(int argc, char** argv) {
   add_remesh(app, line);
   add_check(app, line);
   add_probe(app, line);
+  add_gallery(app, line);
   add_bench(app, line);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,92 @@
+// Every scene of scenes/ reads, has as many particles as its experiment, and runs its first frames.
+#include "app/pipeline.h"
+#include "app/scene_library.h"
+#include "engine/core/error.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+using namespace rend;
+
+namespace {
+
+constexpr double kMemoryLimit = 8e9;  // bytes
+constexpr double kSlowParticles = 20000;
+constexpr int kFrames = 2;
+
+/// Particle counts that the slides of 2019 give, by the beginning of the scene's name.
+const std::map<std::string, double> kExperiments = {
+    {"e1_", 77e3},  {"e2_", 60e3}, {"e3_", 60e3}, {"e4_", 207e3},    {"e5_", 200e3},   {"e6_", 4e3},
+    {"e7_", 130e3}, {"e8_", 60e3}, {"e10_", 8e3}, {"e11_60k", 60e3}, {"e11_17k", 17e3}};
+
+bool uses_mesh_file(const SceneDesc& scene) {
+  return std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const BodyDesc& body) {
+    return std::holds_alternative<MeshDesc>(body.shape);
+  });
+}
+
+/// False, with a message, when the scene needs a mesh file that is not installed.
+bool can_be_built(const std::string& name, const SceneDesc& scene) {
+  try {
+    estimate_model(scene);
+    return true;
+  } catch (const Error& error) {
+    if (!uses_mesh_file(scene)) throw;
+    MESSAGE(name << " is skipped: " << error.what());
+    return false;
+  }
+}
+
+/// The scene on a grid so coarse that two frames take about a second.
+SceneDesc quick(const SceneLibrary& library, const std::string& name, const SceneDesc& scene) {
+  const double particles = estimate_model(scene).particles;
+  if (particles < kSlowParticles) return scene;
+  const double dx = scene.grid.dx * std::cbrt(particles / kSlowParticles);
+  return library.read(name, {{"/grid/dx", std::to_string(dx)}});
+}
+
+}  // namespace
+
+TEST_CASE("each experiment of the slides has its particle count within 5 %") {
+  const SceneLibrary library(REND_SOURCE_DIR);
+  for (const auto& [prefix, particles] : kExperiments) {
+    int found = 0;
+    for (const std::string& name : library.names()) {
+      if (!name.starts_with(prefix)) continue;
+      CAPTURE(name);
+      ++found;
+      const SceneDesc scene = library.read(name);
+      if (can_be_built(name, scene))
+        CHECK(estimate_model(scene).particles == doctest::Approx(particles).epsilon(0.05));
+    }
+    CAPTURE(prefix);
+    CHECK(found > 0);
+  }
+}
+
+TEST_CASE("each scene is named like its file, says what it teaches, and runs its first frames") {
+  const SceneLibrary library(REND_SOURCE_DIR);
+  for (const std::string& name : library.names()) {
+    CAPTURE(name);
+    const SceneDesc full = library.read(name);
+    CHECK(full.name == name);
+    CHECK(full.description.size() > 20);
+    if (!can_be_built(name, full)) continue;
+    const SceneDesc scene = quick(library, name, full);
+    Pipeline pipeline(scene, std::make_shared<Model>(build_model(scene, kMemoryLimit)));
+    for (int n = 1; n <= kFrames; ++n) {
+      const Frame frame = pipeline.advance();
+      CAPTURE(frame.snapshot->report.reason);
+      REQUIRE(frame.snapshot->report.status == Status::ok);
+      CHECK(frame.snapshot->frame == n);
+      CHECK(frame.surface->triangle_count() > 100);
+      CHECK(frame.snapshot->report.mass > 0);
+      CHECK(std::all_of(frame.snapshot->x.begin(), frame.snapshot->x.end(),
+                        [](const Vec3& x) { return x.allFinite(); }));
+    }
+  }
+}

@@ -46,36 +46,6 @@ Real six_volumes(const Tet& t, const std::vector<Vec3>& X) {
   return (X[std::size_t(t[1])] - o).dot((X[std::size_t(t[2])] - o).cross(X[std::size_t(t[3])] - o));
 }
 
-// One pass of optimal Delaunay triangulation (Chen and Xu 2004): each interior sample moves to the
-// volume-weighted mean of the circumcentres around it, and stays half a spacing below the surface.
-void relax(const Solid& solid, Samples& samples) {
-  const DelaunayCells cells = delaunay(samples.X);
-  std::vector<Vec3> moment(samples.X.size(), Vec3::Zero());
-  std::vector<Real> weight(samples.X.size(), 0);
-  for (const Tet& t : cells.tets) {
-    const Vec3& o = samples.X[std::size_t(t[0])];
-    const Vec3 a = samples.X[std::size_t(t[1])] - o, b = samples.X[std::size_t(t[2])] - o,
-               c = samples.X[std::size_t(t[3])] - o;
-    const Real v = a.dot(b.cross(c));
-    const Vec3 centroid = o + 0.25 * (a + b + c);
-    const Vec3 offset = (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) +
-                         c.squaredNorm() * a.cross(b)) /
-                        (2 * v);
-    // Circumcentres of slivers may be anywhere.
-    const bool near = (o + offset - centroid).norm() < 2 * samples.spacing;
-    for (Index i : t) {
-      moment[std::size_t(i)] += v * (near ? Vec3(o + offset) : centroid);
-      weight[std::size_t(i)] += v;
-    }
-  }
-  const Real depth = 0.5 * samples.spacing;
-  for (std::size_t i = 0; i < samples.X.size(); ++i) {
-    if (samples.kind[i] != SampleKind::interior || !(weight[i] > 0)) continue;
-    const Vec3 x = moment[i] / weight[i];
-    if (solid.clearance(x, 1.001 * depth) > depth && solid.inside(x)) samples.X[i] = x;
-  }
-}
-
 void drop_unused(Samples& samples, ClippedTets& clipped) {
   std::vector<Index> index(samples.X.size(), -1);
   Index count = 0;
@@ -95,10 +65,9 @@ void drop_unused(Samples& samples, ClippedTets& clipped) {
 
 }  // namespace
 
-Body build_body(const Solid& solid, const SamplingOptions& options, int relaxation) {
+Body build_body(const Solid& solid, const SamplingOptions& options) {
   Samples samples = sample_solid(solid, options);
   sort_samples(samples);
-  for (int pass = 0; pass < relaxation; ++pass) relax(solid, samples);
   ClippedTets clipped = clip_to_solid(delaunay(samples.X), samples, solid);
   if (clipped.tets.empty())
     throw Error("", "no tetrahedron fits inside; use a smaller grid.dx or more particles_per_cell");

@@ -14,9 +14,7 @@ struct Body {
   std::vector<std::string> notes;
 };
 
-/// Samples, triangulates and clips. `relaxation` moves interior samples that many times to the
-/// average circumcentre of their tets, which removes most slivers. @throws Error when nothing is
-/// left.
-Body build_body(const Solid& solid, const SamplingOptions& options, int relaxation = 0);
+/// Samples, triangulates and clips. @throws Error when nothing is left.
+Body build_body(const Solid& solid, const SamplingOptions& options);
 
 }  // namespace rend

@@ -5,6 +5,7 @@
 #include "engine/mesh/body.h"
 #include "engine/mesh/repair.h"
 #include "engine/mesh/strength_field.h"
+#include "engine/mesh/stuffing.h"
 #include "engine/scene/motion.h"
 
 #include <fmt/format.h>
@@ -133,9 +134,14 @@ Model build_model(const SceneDesc& scene, double memory_limit, const Progress& p
     const BodyDesc& desc = scene.bodies[b];
     const SamplingOptions options{desc.sampling, particle_count(scene, b, *solids[b].solid),
                                   scene.seed, b};
-    const int relaxation = desc.force == ForceKind::mesh ? 5 : 0;
     for (const std::string& note : solids[b].notes) model.notes.push_back(pointer(b) + ": " + note);
-    append(scene, b, at_body(b, [&] { return build_body(*solids[b].solid, options, relaxation); }),
+    append(scene, b,
+           at_body(b,
+                   [&] {
+                     return desc.force == ForceKind::mesh
+                                ? stuff_body(*solids[b].solid, options.count)
+                                : build_body(*solids[b].solid, options);
+                   }),
            model);
   }
   model.strength = strength_factors(scene, model);

@@ -1,4 +1,5 @@
 // Lagrangian forces: the derivative of the energy, no numerical fracture, damage opens a crack.
+#include "engine/mesh/build_model.h"
 #include "engine/mpm/mesh_force.h"
 #include "tests/mpm/lattice_model.h"
 
@@ -295,4 +296,36 @@ TEST_CASE("a run with mesh forces continues from its state file to the bit") {
   ReferenceSolver other(scene, model);
   other.load(file);
   CHECK(other.advance(0.4).state_hash == solver.advance(0.4).state_hash);
+}
+
+TEST_CASE("a stuffed ball bounces with a step of the size of that of particles") {
+  SceneDesc scene = mesh_scene();
+  scene.gravity = Vec3(0, -1, 0);
+  scene.bodies[0].shape = SphereDesc{3};
+  scene.bodies[0].particles_per_cell = 2;
+  scene.bodies[0].position = Vec3(0, 4, 0);
+  scene.bodies[0].velocity = Vec3(0, -2, 0);
+  ColliderDesc floor;
+  floor.shape = PlaneDesc{};
+  floor.contact = Contact::separate;
+  floor.motion = {{0, Vec3::Zero(), Vec3::Zero()}};
+  scene.colliders.push_back(floor);
+  const Model model = build_model(scene);
+  ReferenceSolver mesh(scene, model);
+  const Real mesh_step = mesh.stable_time_step();
+  scene.bodies[0].force = ForceKind::particle;
+  const Real particle_step = ReferenceSolver(scene, model).stable_time_step();
+  MESSAGE(fmt::format("{} vertices, step {:.2f} of that of particles", model.X.size(),
+                      mesh_step / particle_step));
+  CHECK(mesh_step > 0.15 * particle_step);
+  Real most = 0, height = 0;
+  for (int frame = 0; frame < 12; ++frame) {
+    const FrameReport r = mesh.advance(0.25);
+    REQUIRE(r.status == Status::ok);
+    CHECK(r.clamped == 0);
+    most = std::max(most, r.elastic_energy);
+    height = r.gravity_energy / r.mass;
+  }
+  CHECK(most > 0.1 * 0.5 * 4 * 113);
+  CHECK(height > 3);
 }

@@ -30,7 +30,7 @@ class SurfaceSampler {
     for (const CreaseCurve* c : curves)
       if (!c->closed)
         for (const Vec3& x : {c->points.front(), c->points.back()})
-          if (!near(x, 0.3 * radius_)) add(x, Vec3::Zero(), SampleKind::crease);
+          if (!near(x, 0.2 * radius_)) add(x, Vec3::Zero(), SampleKind::crease);
     for (const CreaseCurve* c : curves) add_curve(*c);
   }
 
@@ -53,7 +53,7 @@ class SurfaceSampler {
       const Vec3 chord =
           points[segment - 1] + (s - before) / l * (points[segment] - points[segment - 1]);
       const Vec3 x = solid_.onto_crease(chord);
-      if (!near(x, 0.5 * radius_)) add(x, Vec3::Zero(), SampleKind::crease);
+      if (!near(x, 0.2 * radius_)) add(x, Vec3::Zero(), SampleKind::crease);
     }
   }
 

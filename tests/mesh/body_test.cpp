@@ -171,3 +171,38 @@ TEST_CASE("a wall of one spacing still closes") {
   check_sound(body, *wall, o);
   CHECK(rms_distance(body, *wall) < 1e-12);
 }
+
+TEST_CASE("concave surfaces do not fill up with flat tets") {
+  const auto torus = make_torus({0.7, 0.25});
+  const Body body = build_body(*torus, options_for(*torus, 0.05));
+  // Smallest of the six dihedral angles below 5 degrees.
+  const auto is_sliver = [&](const Tet& t) {
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j) {
+        const std::size_t k = i != 0 && j != 0 ? 0 : (i != 1 && j != 1 ? 1 : 2), l = 6 - i - j - k;
+        const auto x = [&](std::size_t v) { return body.X[std::size_t(t[v])]; };
+        const Vec3 edge = x(j) - x(i), a = edge.cross(x(k) - x(i)), b = edge.cross(x(l) - x(i));
+        if (a.dot(b) > std::cos(5 * M_PI / 180) * a.norm() * b.norm()) return true;
+      }
+    return false;
+  };
+  const auto slivers = std::count_if(body.tets.begin(), body.tets.end(), is_sliver);
+  CHECK(Real(slivers) < 0.006 * Real(body.tets.size()));
+}
+
+TEST_CASE("the skin stays a closed manifold where samples are too coarse for the shape") {
+  std::vector<Eigen::Vector2d> star;
+  for (int i = 0; i < 32; ++i) {
+    const Real r = i % 2 ? 0.35 : 1, a = M_PI * i / 16;
+    star.emplace_back(r * std::cos(a), r * std::sin(a));
+  }
+  const auto solid = make_prism({star, 0.4});
+  const Samples samples = sample_solid(*solid, options_for(*solid, 0.1));
+  const ClippedTets clipped = clip_to_solid(delaunay(samples.X), samples, *solid);
+  CHECK(clipped.manifold_repairs > 0);
+  CHECK(clipped.open_defects == 0);
+  const SkinDefects defects = find_skin_defects(clipped.skin);
+  CHECK(defects.edges.empty());
+  CHECK(defects.vertices.empty());
+  CHECK(std::count(clipped.used.begin(), clipped.used.end(), 0) < 10);
+}

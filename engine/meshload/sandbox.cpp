@@ -13,12 +13,6 @@ namespace rend {
 
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-
 bool set_limit(decltype(RLIMIT_AS) what, rlim_t soft, rlim_t hard) {
   const rlimit limit{soft, hard};
   return setrlimit(what, &limit) == 0;
@@ -30,7 +24,7 @@ bool limit_resources(const SandboxLimits& limits) {
   return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && set_limit(RLIMIT_CORE, 0, 0) &&
          set_limit(RLIMIT_FSIZE, 0, 0) &&
          set_limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 1) &&
-         (sanitized || set_limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes));
+         set_limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
 }
 
 bool enter_sandbox() {

@@ -5,8 +5,7 @@
 
 namespace rend {
 
-/// Limits of this process; memory_bytes is not set under sanitizers, whose shadow memory needs
-/// terabytes.
+/// Limits of this process.
 struct SandboxLimits {
   std::size_t memory_bytes;
   unsigned cpu_seconds;

@@ -28,7 +28,7 @@ Vec3i offset_of(int k) { return Vec3i(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1); }
 
 }  // namespace
 
-void TileGrid::lay_out_rows(const std::vector<TileBlock>& blocks) {
+void TileGrid::lay_out_rows(std::span<const TileBlock> blocks) {
   allowed_.resize(blocks.size());
   first_row_.resize(blocks.size());
   rows_of_.assign(blocks.size(), RowsOfBlock{});
@@ -45,7 +45,7 @@ void TileGrid::lay_out_rows(const std::vector<TileBlock>& blocks) {
   rows_.reserve(total * kNodeRowFloats);
 }
 
-void TileGrid::rebuild(const std::vector<TileBlock>& blocks) {
+void TileGrid::rebuild(std::span<const TileBlock> blocks) {
   index_.clear(2 * blocks.size());
   coords_.clear();
   neighbors_.resize(blocks.size());
@@ -81,7 +81,7 @@ void TileGrid::rebuild(const std::vector<TileBlock>& blocks) {
   std::fill(nodes_.data(), nodes_.data() + floats, 0.0f);
 }
 
-void TileGrid::relate(const std::vector<TileBlock>& blocks) {
+void TileGrid::relate(std::span<const TileBlock> blocks) {
   neighbors_.resize(blocks.size());
   for (std::size_t b = 0; b < blocks.size(); ++b)
     for (int k = 0; k < 27; ++k) {

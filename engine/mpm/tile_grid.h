@@ -6,6 +6,7 @@
 #include "engine/mpm/tile_store.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace rend {
@@ -15,11 +16,11 @@ namespace rend {
 class TileGrid {
  public:
   /// Blocks and row memory for the bins as they are; velocities become 0.
-  void rebuild(const std::vector<TileBlock>& blocks);
+  void rebuild(std::span<const TileBlock> blocks);
 
   /// Looks up where freshly re-binned particle blocks read the velocities of the blocks that there
   /// are.
-  void relate(const std::vector<TileBlock>& blocks);
+  void relate(std::span<const TileBlock> blocks);
 
   Index count() const { return static_cast<Index>(coords_.size()); }
   const Vec3i& coord(Index g) const { return coords_[static_cast<std::size_t>(g)]; }
@@ -39,7 +40,7 @@ class TileGrid {
   std::size_t bytes() const;
 
  private:
-  void lay_out_rows(const std::vector<TileBlock>& blocks);
+  void lay_out_rows(std::span<const TileBlock> blocks);
 
   BlockIndex index_;
   std::vector<Vec3i> coords_;

@@ -9,7 +9,7 @@
 #define HWY_TARGET_INCLUDE "engine/mpm/tile_kernel.cpp"
 #include "hwy/foreach_target.h"
 
-#include "engine/mpm/tile_particles-inl.h"
+#include "engine/mpm/tile_lone-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rend {
@@ -24,6 +24,7 @@ const TileKernels* kernels_of_target() {
       : HWY_MAX_BYTES == 32 ? "avx2"
                             : "sse4",
       {particle_block<Pass::scatter>, particle_block<Pass::fused>, particle_block<Pass::gather>},
+      {lone_run<Pass::scatter>, lone_run<Pass::fused>, lone_run<Pass::gather>},
       grid_block,
       respond_tiles,
       measure_tiles};

@@ -46,7 +46,7 @@ struct StepConstants {
   TileLayout layout;
   float dt = 0;             ///< of the motion [s]
   float stress_factor = 0;  ///< -4 dt' / (reference density dx^2), dt' of the next scatter
-  float affine_keep = 1;    ///< momentum uses keep C + swap C^T
+  float affine_keep = 1;    ///< particles carry keep C + swap C^T; stored C is that already
   float affine_swap = 0;
   float flip_ratio = 0;
 };
@@ -114,6 +114,8 @@ enum class Pass { scatter, fused, gather };
 struct TileKernels {
   const char* name;  ///< "avx512", "avx2" or "sse4"
   void (*particles[3])(const StepConstants&, BlockTask&);
+  /// The same passes for particles that share no node with others; gain is dt g [cells/s].
+  void (*lone[3])(const StepConstants&, const ParticleRun&, const float* gain, RunExtremes&);
   void (*grid)(GridTask&);
   /// Return mapping of tiles where they are, as a step of length 0 would do it.
   void (*respond)(const TileLayout&, const MaterialConstants&, float* tiles, int tile_count,

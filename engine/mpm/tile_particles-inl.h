@@ -85,6 +85,16 @@ HWY_INLINE void push_forward(const Lanes* A, Lanes* e) {
   }
 }
 
+/// b^e - I of a tile after a step dt with velocity gradient C.
+HWY_INLINE void push_strain(Lanes dt, const Lanes* C, float* tile) {
+  Lanes H[9], A[9], e[6];
+  for (int i = 0; i < 9; ++i) H[i] = dt * C[i];
+  exponential_minus_one(H, A);
+  load_strain(tile, e);
+  push_forward(A, e);
+  for (int i = 0; i < 6; ++i) store(e[i], tile + (TileLayout::kStrain + i) * kLanes);
+}
+
 inline constexpr float kNoExcess = -8;
 
 /// Extremes that a pass collects, lane by lane.
@@ -94,20 +104,39 @@ struct LaneExtremes {
 
   HWY_INLINE LaneExtremes()
       : excess(kNoExcess), speed2(0.0f), gradient2(0.0f), finite(Lanes(0.0f) < Lanes(1.0f)) {}
-  HWY_INLINE void reduce(BlockTask& task, RunExtremes& run) const {
-    const float farthest = max_of_lanes(excess);
-    if (farthest > task.excess) task.excess = farthest;
+  HWY_INLINE void add(const Lanes* v, const Lanes* C) {
+    const Lanes v2 = mul_add(v[0], v[0], mul_add(v[1], v[1], v[2] * v[2]));
+    Lanes C2 = C[0] * C[0];
+    for (int i = 1; i < 9; ++i) C2 = mul_add(C[i], C[i], C2);
+    speed2 = max(speed2, v2);
+    gradient2 = max(gradient2, C2);
+    finite = finite & (v2 + C2 < Lanes(1e30f));
+  }
+  HWY_INLINE void reduce(RunExtremes& run) const {
     run.speed2 = max_of_lanes(speed2);
     run.gradient2 = max_of_lanes(gradient2);
     run.finite = !any(!finite);
   }
+  HWY_INLINE void reduce(BlockTask& task, RunExtremes& run) const {
+    const float farthest = max_of_lanes(excess);
+    if (farthest > task.excess) task.excess = farthest;
+    reduce(run);
+  }
 };
+
+/// The affine velocity that particles carry on: keep C + swap C^T.
+HWY_INLINE void store_carried(const StepConstants& step, const Lanes* C, float* motion) {
+  const Lanes keep(step.affine_keep), swap(step.affine_swap);
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      store(mul_add(swap, C[3 * b + a], keep * C[3 * a + b]), motion + (3 + 3 * a + b) * kLanes);
+}
 
 /// After the gather: moves the particles, pushes the strain forward, keeps v and C in work.
 template <Pass kPass>
 HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, float* tile,
                           float* motion, int t, Work& work, LaneExtremes& extremes) {
-  Lanes v[4], G[3][4], x[3], offset[3], C[9], H[9], A[9], e[6];
+  Lanes v[4], G[3][4], x[3], offset[3], C[9];
   transpose_gathered(work.gathered[t], v, G);
   for (int a = 0; a < 3; ++a) offset[a] = load(work.offset[t][a]);
   for (int b = 0; b < 3; ++b)
@@ -120,17 +149,8 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, floa
     extremes.excess =
         max(extremes.excess, max(x[a] - Lanes(task.high[a]), Lanes(task.low[a]) - x[a]));
   }
-  const Lanes speed2 = mul_add(v[0], v[0], mul_add(v[1], v[1], v[2] * v[2]));
-  Lanes gradient2 = C[0] * C[0];
-  for (int i = 1; i < 9; ++i) gradient2 = mul_add(C[i], C[i], gradient2);
-  extremes.speed2 = max(extremes.speed2, speed2);
-  extremes.gradient2 = max(extremes.gradient2, gradient2);
-  extremes.finite = extremes.finite & (speed2 + gradient2 < Lanes(1e30f));
-  for (int i = 0; i < 9; ++i) H[i] = dt * C[i];
-  exponential_minus_one(H, A);
-  load_strain(tile, e);
-  push_forward(A, e);
-  for (int i = 0; i < 6; ++i) store(e[i], tile + (TileLayout::kStrain + i) * kLanes);
+  extremes.add(v, C);
+  push_strain(dt, C, tile);
   if constexpr (kPass == Pass::fused) {
     for (int a = 0; a < 3; ++a) store(v[a], work.v[t][a]);
     for (int i = 0; i < 9; ++i) store(C[i], work.C[t][i]);
@@ -138,7 +158,7 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, floa
     for (int a = 0; a < 3; ++a) store(offset[a], work.offset[t][a]);
   } else {
     for (int a = 0; a < 3; ++a) store(v[a], motion + a * kLanes);
-    for (int i = 0; i < 9; ++i) store(C[i], motion + (3 + i) * kLanes);
+    store_carried(step, C, motion);
   }
 }
 

@@ -1,10 +1,7 @@
-// What the tile solver tells, and its state as a file.
-#include "engine/core/error.h"
+// What the tile solver tells.
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
-#include "engine/mpm/material_state.h"
 #include "engine/mpm/node_loads.h"
-#include "engine/mpm/state_file.h"
 #include "engine/mpm/tile_solver.h"
 
 #include <fmt/format.h>
@@ -19,8 +16,6 @@
 namespace rend {
 
 namespace {
-
-constexpr const char* kKind = "tile";
 
 // Volumes in cells are floats, so that whole multiples of this unit add up exactly, in any order.
 constexpr Real kVolumeUnit = 0x1p-44;
@@ -180,7 +175,8 @@ void TileSolver::fill_report(FrameReport& report) const {
             one.angular = m * x.cross(v);
             if (scene_.solver.transfer !=
                 Transfer::pic)  // sum_i w r x (C r), sum_i w r r^T = dx^2/4
-              one.angular += m * 0.25 * dx_ * dx_ * angular_part(p);
+              one.angular +=
+                  m * 0.25 * dx_ * dx_ * Vec3(p.C(7) - p.C(5), p.C(2) - p.C(6), p.C(3) - p.C(1));
             one.kinetic = 0.5 * m * v.squaredNorm();
             one.gravity = -m * gravity_.dot(x);
             one.elastic = volume * energy[static_cast<std::size_t>(i)];
@@ -197,7 +193,8 @@ void TileSolver::fill_report(FrameReport& report) const {
   report.particles = store_.particle_count();
   report.mass = 0;
   for (std::size_t m = 0; m < materials_.size(); ++m)
-    report.mass += static_cast<Real>(sums.volume[m]) * kVolumeUnit * cell_volume * materials_[m].desc.density;
+    report.mass +=
+        static_cast<Real>(sums.volume[m]) * kVolumeUnit * cell_volume * materials_[m].desc.density;
   report.momentum = sums.momentum;
   report.angular_momentum = sums.angular;
   report.kinetic_energy = sums.kinetic;
@@ -209,13 +206,6 @@ void TileSolver::fill_report(FrameReport& report) const {
   report.yielded = sums.yielded;
   report.damaged = sums.damaged;
   report.state_hash = state_hash();
-}
-
-Vec3 TileSolver::angular_part(const Lane& p) const {
-  // Momentum is carried by keep C + swap C^T, whose skew part is that of C times keep - swap.
-  const StepConstants step = step_constants(0, 0);
-  const Real share = static_cast<Real>(step.affine_keep) - static_cast<Real>(step.affine_swap);
-  return share * Vec3(p.C(7) - p.C(5), p.C(2) - p.C(6), p.C(3) - p.C(1));
 }
 
 // A sum over particles of well mixed words does not depend on the order that they are stored in.
@@ -326,140 +316,6 @@ void TileSolver::measure_motion() {
   dissipated_ += sums.dissipation * dx_ * dx_ * dx_;
 }
 
-// ---- steering and files
-
-// Room for the state of a law that no material had before.
-void TileSolver::add_groups(const TileLayout& needed) {
-  const TileLayout before = store_.layout();
-  store_.change_layout(needed);
-  AlignedFloats motion_copy;
-  const std::size_t floats = std::size_t(store_.tile_count()) * kMotionFloats;
-  motion_copy.reserve(std::max(floats, std::size_t(store_.tile_count()) * needed.floats()));
-  std::copy(motion(), motion() + floats, motion_copy.data());
-  std::swap(spare_, motion_copy);
-  for (const TileRun& run : store_.runs())
-    for (int i = 0; i < run.tiles() * kLanes; ++i) {
-      float* lane = store_.tile(run.first_tile + i / kLanes) + i % kLanes;
-      const Index id =
-          store_.ids()[std::size_t(run.first_tile) * kLanes + std::min(i, run.count - 1)];
-      const float threshold = static_cast<float>(tau_c0(run.material, id));
-      if (before.tau_c < 0 && needed.tau_c >= 0) lane[needed.tau_c * kLanes] = threshold;
-      if (before.tau_c0 < 0 && needed.tau_c0 >= 0) lane[needed.tau_c0 * kLanes] = threshold;
-    }
-}
-
-void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
-  const Real before = initial_threshold(materials_.at(index).desc.yield_surface);
-  materials_[index] = {material, constants_of(material)};
-  const Real now = initial_threshold(material.yield_surface);
-  const bool had_threshold = store_.layout().tau_c >= 0;
-  const TileLayout needed = needed_layout();
-  if (needed.groups != store_.layout().groups) add_groups(needed);
-  const TileLayout& layout = store_.layout();
-  if (layout.tau_c >= 0)
-    for (const TileRun& run : store_.runs()) {
-      if (run.material != index) continue;
-      for (int i = 0; i < run.count; ++i) {
-        const std::int32_t t = run.first_tile + i / kLanes;
-        float* lane = store_.tile(t) + i % kLanes;
-        const Index id =
-            store_.ids()[std::size_t(run.first_tile) * kLanes + static_cast<std::size_t>(i)];
-        float& state = lane[layout.tau_c * kLanes];
-        if (had_threshold && (state > 0 || before == 0))
-          state = static_cast<float>(before > 0 ? state * (now / before) : tau_c0(index, id));
-        if (layout.tau_c0 >= 0)
-          lane[layout.tau_c0 * kLanes] = static_cast<float>(tau_c0(index, id));
-      }
-    }
-  measure_motion();
-}
-
-TileSolver::State TileSolver::state() const {
-  State s;
-  s.store = store_.state();
-  s.motion.assign(motion(), motion() + std::size_t(store_.tile_count()) * kMotionFloats);
-  s.time = time_;
-  s.dissipated = dissipated_;
-  s.external_work = external_work_;
-  s.extremes = motion_;
-  s.excess = excess_;
-  return s;
-}
-
-void TileSolver::restore(const State& s) {
-  store_.restore(s.store);
-  spare_.reserve(std::max(s.motion.size(), s.store.tiles.size()));
-  std::copy(s.motion.begin(), s.motion.end(), motion());
-  time_ = s.time;
-  dissipated_ = s.dissipated;
-  external_work_ = s.external_work;
-  motion_ = s.extremes;
-  excess_ = s.excess;
-  update_topology();
-}
-
-void TileSolver::save(std::ostream& out) const {
-  StateWriter writer;
-  const State s = state();
-  writer.put(s.time);
-  writer.put(frame_);
-  writer.put(s.dissipated);
-  writer.put(s.external_work);
-  writer.put(s.extremes);
-  writer.put(s.excess);
-  writer.put(gravity_);
-  writer.put(pull_.at);
-  writer.put(pull_.force);
-  writer.put(pull_.radius);
-  for (const Material& material : materials_) put_material(writer, material.desc);
-  writer.put(s.store.layout);
-  writer.put(s.store.blocks);
-  writer.put(s.store.runs);
-  writer.put(s.store.ids);
-  writer.put(s.store.tiles);
-  writer.put(s.motion);
-  writer.write(out, kKind, scene_hash_);
-}
-
-void TileSolver::load(std::istream& in) {
-  StateReader reader(in, kKind, scene_hash_);
-  State s;
-  Index frame;
-  Vec3 gravity;
-  PullForce pull;
-  reader.get(s.time);
-  reader.get(frame);
-  reader.get(s.dissipated);
-  reader.get(s.external_work);
-  reader.get(s.extremes);
-  reader.get(s.excess);
-  reader.get(gravity);
-  reader.get(pull.at);
-  reader.get(pull.force);
-  reader.get(pull.radius);
-  std::vector<Material> materials;
-  for (const Material& material : materials_) {
-    const MaterialDesc desc = get_material(reader, material.desc);
-    materials.push_back({desc, constants_of(desc)});
-  }
-  reader.get(s.store.layout);
-  reader.get(s.store.blocks);
-  reader.get(s.store.runs);
-  reader.get(s.store.ids);
-  reader.get(s.store.tiles);
-  reader.get(s.motion);
-  reader.finish();
-  if (!s.store.fits(store_.particle_count()))
-    throw Error("state", "its tiles do not hold the particles of this scene");
-  restore(s);
-  frame_ = frame;
-  gravity_ = gravity;
-  pull_ = pull;
-  materials_ = std::move(materials);
-  report_ = {};
-  fill_report(report_);
-}
-
 std::string TileSolver::describe() const {
   const char* transfers[] = {"pic", "flip", "apic", "rpic"};
   return fmt::format("tile solver, float, {}, {}, quadratic kernel, mls force", kernels_->name,
@@ -468,7 +324,7 @@ std::string TileSolver::describe() const {
 
 double TileSolver::bytes_per_particle() const {
   const double bytes = static_cast<double>(
-      store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() +
+      store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() + lone_.bytes() +
       run_extremes_.capacity() * sizeof(RunExtremes) + strength_.size() * sizeof(float) +
       material_of_.size() * sizeof(std::uint16_t));
   return bytes / std::max<double>(1, store_.particle_count());

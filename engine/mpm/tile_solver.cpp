@@ -1,8 +1,8 @@
-// The step of the tile solver, and the frame around it.
+// The frame of the tile solver: steps between two complete states.
 #include "engine/mpm/tile_solver.h"
 
 #include "engine/core/error.h"
-#include "engine/core/parallel.h"
+#include "engine/core/stopwatch.h"
 #include "engine/mpm/node_loads.h"
 #include "engine/mpm/scene_hash.h"
 
@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <new>
 
 namespace rend {
@@ -21,23 +20,9 @@ namespace {
 // A particle may be this far beyond its block, in cells; a whole cell is what the node tile has
 // room for.
 constexpr float kMargin = 0.999f;
+// Lone particles are looked for again once anything may have moved as far as in this many steps.
+constexpr Real kStepsOfLeg = 25;
 constexpr Real kMostSteps = 1e7;  // in one advance; more means that the state has blown up
-
-Real cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<Real>(t.tv_sec) + 1e-9 * static_cast<Real>(t.tv_nsec);
-}
-
-class Stopwatch {
- public:
-  explicit Stopwatch(Real& total) : total_(total), begin_(cpu_seconds()) {}
-  ~Stopwatch() { total_ += cpu_seconds() - begin_; }
-
- private:
-  Real& total_;
-  Real begin_;
-};
 
 }  // namespace
 
@@ -56,14 +41,6 @@ std::string TileSolver::obstacle(const SceneDesc& scene) {
     if (body.force == ForceKind::mesh) return "mesh forces are in the reference solver only";
   if (!tile_kernels()) return "this CPU (or REND_SIMD) has no instruction set with vector kernels";
   return "";
-}
-
-TileSolver::StepSums& TileSolver::StepSums::operator+=(const StepSums& other) {
-  motion += other.motion;
-  dissipation += other.dissipation;
-  excess = std::max(excess, other.excess);
-  finite = finite && other.finite;
-  return *this;
 }
 
 Real TileSolver::Material::stiffness(const RunExtremes& extremes) const {
@@ -163,241 +140,127 @@ void TileSolver::place(const Model& model) {
   update_topology();
 }
 
-StepConstants TileSolver::step_constants(Real dt, Real next_dt) const {
-  StepConstants step;
-  step.layout = store_.layout();
-  step.dt = static_cast<float>(dt);
-  step.stress_factor = static_cast<float>(-4 * next_dt / (density_ * dx_ * dx_));
-  const Real r = scene_.solver.rpic_blend;
-  switch (scene_.solver.transfer) {
-    case Transfer::pic:
-      step.affine_keep = 0;
-      break;
-    case Transfer::rpic:
-      step.affine_keep = static_cast<float>(0.5 * (r + 1));
-      step.affine_swap = static_cast<float>(0.5 * (r - 1));
-      break;
-    default:
-      break;
-  }
-  return step;
-}
-
-// ---- one step
-
-TileSolver::StepSums TileSolver::particle_pass(Pass pass, const StepConstants& step) {
-  const Stopwatch watch(times_.particles);
-  const auto kernel = kernels_->particles[static_cast<int>(pass)];
-  run_extremes_.resize(store_.runs().size());
-  return ordered_sum(static_cast<Index>(store_.blocks().size()), 1, StepSums(), [&](Index b) {
-    const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
-    ParticleRun few[4];
-    std::vector<ParticleRun> many;
-    ParticleRun* runs = few;
-    if (block.run_count > 4) {
-      many.resize(static_cast<std::size_t>(block.run_count));
-      runs = many.data();
-    }
-    for (int r = 0; r < block.run_count; ++r) {
-      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
-      runs[r] = {store_.tile(run.first_tile),
-                 motion() + std::size_t(run.first_tile) * kMotionFloats,
-                 &materials_[run.material].constants, run.count};
-    }
-    BlockTask task;
-    task.runs = runs;
-    task.extremes = run_extremes_.data() + block.first_run;
-    task.run_count = block.run_count;
-    task.grid = grid_.all_nodes();
-    task.neighbors = grid_.neighbors(b).data();
-    for (int a = 0; a < 3; ++a) {
-      task.low[a] = block.low(a);
-      task.high[a] = block.high(a);
-    }
-    task.rows = grid_.rows(b);
-    task.allowed = grid_.allowed(b);
-    kernel(step, task);
-    grid_.set_touched(b, task.touched);
-
-    StepSums sums;
-    sums.excess = task.excess;
-    float speed2 = 0, gradient2 = 0;
-    for (int r = 0; r < block.run_count; ++r) {
-      const RunExtremes& extremes = task.extremes[r];
-      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
-      sums.motion.stiffness =
-          std::max(sums.motion.stiffness, materials_[run.material].stiffness(extremes));
-      speed2 = std::max(speed2, extremes.speed2);
-      gradient2 = std::max(gradient2, extremes.gradient2);
-      sums.dissipation += extremes.dissipation;
-      sums.finite = sums.finite && extremes.finite;
-    }
-    sums.motion.gradient = std::sqrt(static_cast<Real>(gradient2));
-    const bool affine = step.affine_keep != 0;
-    sums.motion.speed = dx_ * (std::sqrt(static_cast<Real>(speed2)) +
-                               (affine ? std::sqrt(3.0) * sums.motion.gradient : 0));
-    return sums;
-  });
-}
-
-Real TileSolver::grid_pass(Real dt) {
-  const Stopwatch watch(times_.grid);
-  struct Fastest {
-    float speed = 0;
-    bool finite = true;
-    Fastest& operator+=(const Fastest& other) {
-      finite = finite && other.finite && std::isfinite(other.speed);
-      speed = std::max(speed, other.speed);
-      return *this;
-    }
-  };
-  const Vec3 gain = dt / dx_ * gravity_;
-  std::vector<std::uint32_t> touched(static_cast<std::size_t>(grid_.count()));
-  Fastest fastest = ordered_sum(grid_.count(), 8, Fastest(), [&](Index g) {
-    GridTask task = grid_.task(g);
-    for (int a = 0; a < 3; ++a) task.velocity_gain[a] = static_cast<float>(gain[a]);
-    kernels_->grid(task);
-    touched[static_cast<std::size_t>(g)] = task.touched;
-    return Fastest{task.max_speed};
-  });
-
-  NodeLoads loads(scene_.colliders, pull_, time_ + dt);
-  motion_.collider_speed = loads.collider_speed();
-  if (loads.none()) return fastest.finite ? fastest.speed : std::nan("");
-
-  const Real node_mass = density_ * dx_ * dx_ * dx_;
-  const auto each_node = [&](Index g, auto&& visit) {
-    const Vec3 origin = 4.0 * dx_ * grid_.coord(g).cast<Real>();
-    float* node = grid_.nodes(g);
-    for (int n = 0; n < 64; ++n)
-      if ((touched[static_cast<std::size_t>(g)] >> (n / 4) & 1) != 0 && node[4 * n + 3] > 0)
-        visit(Vec3(origin + dx_ * Vec3(n >> 4, n >> 2 & 3, n & 3)), node_mass * node[4 * n + 3],
-              node + 4 * n);
-  };
-  if (loads.pulls())
-    loads.set_pulled_mass(ordered_sum(grid_.count(), 8, 0.0, [&](Index g) {
-      Real mass = 0;
-      each_node(g, [&](const Vec3& x, Real m, float*) { mass += m * loads.falloff(x); });
-      return mass;
-    }));
-  const Real radius = 1.5 * std::sqrt(3.0) * dx_;
-  struct Loaded {
-    Real work = 0;
-    Fastest fastest;
-    Loaded& operator+=(const Loaded& other) {
-      work += other.work;
-      fastest += other.fastest;
-      return *this;
-    }
-  };
-  const Loaded loaded = ordered_sum(grid_.count(), 8, Loaded(), [&](Index g) {
-    Loaded out;
-    const Vec3 centre = dx_ * (4.0 * grid_.coord(g).cast<Real>() + Vec3::Constant(1.5));
-    const NodeLoads::Near near = loads.near(centre, radius);
-    if (near.none()) return out;
-    each_node(g, [&](const Vec3& x, Real m, float* node) {
-      const Vec3 v = dx_ * Vec3(node[0], node[1], node[2]);
-      const Vec3 after = loads.apply(near, x, m, dt, v, out.work);
-      for (int a = 0; a < 3; ++a) {
-        node[a] = static_cast<float>(after[a] / dx_);
-        out.fastest += {std::abs(node[a])};
-      }
-    });
-    return out;
-  });
-  external_work_ += loaded.work;
-  fastest += loaded.fastest;
-  return fastest.finite ? fastest.speed : std::nan("");
-}
-
 void TileSolver::update_topology() {
-  grid_.relate(store_.blocks());
-  grid_.rebuild(store_.blocks());
+  grid_.relate(store_.regular_blocks());
+  grid_.rebuild(store_.regular_blocks());
+  topology_fits_ = true;
+}
+
+// ---- lone particles
+
+void TileSolver::begin_leg(Real remaining) {
+  const Real speed = (motion_.speed + motion_.collider_speed) / dx_;
+  const Real dt = choose_time_step(scene_.solver, dx_, motion_, remaining);
+  lone_reach_ = std::clamp(kStepsOfLeg * dt * speed, 0.1, 2.0);
+  lone_travel_ = 0;
+  NodeLoads loads(scene_.colliders, pull_, time_);
+  loads.set_pulled_mass(1);
+  const Real clearance = (1.5 * std::sqrt(3.0) + 2 * lone_reach_) * dx_;
+  const std::vector<std::uint8_t> flags = find_lone_blocks(store_, lone_reach_, [&](const Vec3& x) {
+    return loads.none() || loads.near(dx_ * x, clearance).none();
+  });
+  if (std::find(flags.begin(), flags.end(), 1) != flags.end()) {
+    store_.set_lone(flags);
+    lone_.pack(store_, motion());
+    topology_fits_ = false;
+  }
+  if (!topology_fits_) update_topology();
+}
+
+void TileSolver::end_leg() {
+  if (lone_.empty()) return;
+  lone_.unpack(store_, motion());
+  lone_.clear();
+  store_.clear_lone();
+  topology_fits_ = false;
 }
 
 // ---- one frame
 
+// Steps until the frame ends or lone particles may meet others; begins and ends with a complete
+// state.
+Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, FrameReport& report) {
+  const auto too_many = [&](Real dt) { return !((end - begin) / dt < kMostSteps); };
+  begin_leg(end - time_);
+  Real dt = choose_time_step(scene_.solver, dx_, motion_, end - time_);
+  if (too_many(dt)) return {Status::too_fast, -1, motion_.speed, true};
+  every_particle(Pass::scatter, step_constants(Pass::scatter, 0, dt));
+  for (bool last = false; !last;) {
+    const Real fastest = grid_pass(dt);
+    const float reach = static_cast<float>(dt * fastest);
+    const bool rebin = !(excess_ + reach < kMargin);
+    if (rebin) {
+      const Stopwatch watch(times_.rebin);
+      store_.rebin(spare_);
+      grid_.relate(store_.regular_blocks());
+      ++times_.rebins;
+      if (!(reach < kMargin))
+        return {std::isfinite(fastest) ? Status::too_fast : Status::not_finite, -1, fastest * dx_};
+    }
+    const Real after = dt < end - time_ ? time_ + dt : end;
+    stopped_ = stopped_ || (after < end && between && !between());
+    last = after >= end || stopped_;
+    if (!lone_.empty()) {
+      const Real lone_speed = motion_.speed / dx_ + dt * gravity_.norm() / dx_;
+      if (!(dt * lone_speed < 1)) return {Status::too_fast, -1, lone_speed * dx_};
+      lone_travel_ += dt * std::max({fastest, lone_speed, motion_.collider_speed / dx_});
+      last = last || lone_travel_ > lone_reach_;
+    }
+    Real next = 0;
+    if (after < end && !stopped_) {
+      next = choose_time_step(scene_.solver, dx_, motion_, end - after);
+      if (too_many(next)) return {Status::too_fast, -1, motion_.speed, true};
+    }
+    if (last)
+      spare_.reserve(std::size_t(store_.tile_count()) *
+                     std::max(kMotionFloats, store_.layout().floats()));
+    const Pass pass = last ? Pass::gather : Pass::fused;
+    const StepSums sums = every_particle(pass, step_constants(pass, dt, next));
+    if (rebin) {
+      const Stopwatch watch(times_.rebin);
+      grid_.rebuild(store_.regular_blocks());
+    }
+    if (!sums.finite || !(sums.excess < 1))
+      return {sums.finite ? Status::too_fast : Status::not_finite, -1, sums.motion.speed};
+    excess_ = std::max(sums.excess, 0.0f);
+    const Real collider_speed = motion_.collider_speed;
+    motion_ = sums.motion;
+    motion_.collider_speed = collider_speed;
+    dissipated_ += sums.dissipation * dx_ * dx_ * dx_;
+    time_ = after;
+    report.dt_min = report.substeps == 0 ? dt : std::min(report.dt_min, dt);
+    report.dt_max = std::max(report.dt_max, dt);
+    ++report.substeps;
+    ++times_.steps;
+    dt = next;
+  }
+  end_leg();
+  return {};
+}
+
 FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
-  const auto begin = std::chrono::steady_clock::now();
+  const auto clock = std::chrono::steady_clock::now();
   FrameReport report;
   report.dt_min = report.dt_max = 0;
   Fault fault;
   good_ = state();
-  const Real end = time_ + duration;
-  bool complete = true;
-  Real dt = 0;
+  stopped_ = false;
+  const Real begin = time_, end = time_ + duration;
   try {
-    if (fault.status == Status::ok && time_ < end) {
-      dt = choose_time_step(scene_.solver, dx_, motion_, end - time_);
-      if (!(duration / dt < kMostSteps))
-        fault = {Status::too_fast, -1, motion_.speed, true};
-      else
-        particle_pass(Pass::scatter, step_constants(0, dt));
-    }
-    while (fault.status == Status::ok && time_ < end) {
-      const Real fastest = grid_pass(dt);
-      const float reach = static_cast<float>(dt * fastest);
-      const bool rebin = !(excess_ + reach < kMargin);
-      if (rebin) {
-        const Stopwatch watch(times_.rebin);
-        store_.rebin(spare_);
-        grid_.relate(store_.blocks());
-        ++times_.rebins;
-        if (!(reach < kMargin)) {
-          fault = {std::isfinite(fastest) ? Status::too_fast : Status::not_finite, -1,
-                   fastest * dx_};
-          break;
-        }
-      }
-      const Real after = dt < end - time_ ? time_ + dt : end;
-      if (after < end && between && !between()) complete = false;
-      const bool last = after >= end || !complete;
-      Real next = 0;
-      if (!last) {
-        next = choose_time_step(scene_.solver, dx_, motion_, end - after);
-        if (!(duration / next < kMostSteps)) {
-          fault = {Status::too_fast, -1, motion_.speed, true};
-          break;
-        }
-      }
-      if (last)
-        spare_.reserve(std::size_t(store_.tile_count()) *
-                       std::max(kMotionFloats, store_.layout().floats()));
-      const StepSums sums =
-          particle_pass(last ? Pass::gather : Pass::fused, step_constants(dt, next));
-      if (rebin) {
-        const Stopwatch watch(times_.rebin);
-        grid_.rebuild(store_.blocks());
-      }
-      if (!sums.finite || !(sums.excess < 1)) {
-        fault = {sums.finite ? Status::too_fast : Status::not_finite, -1, sums.motion.speed};
-        break;
-      }
-      excess_ = std::max(sums.excess, 0.0f);
-      const Real collider_speed = motion_.collider_speed;
-      motion_ = sums.motion;
-      motion_.collider_speed = collider_speed;
-      dissipated_ += sums.dissipation * dx_ * dx_ * dx_;
-      time_ = after;
-      report.dt_min = report.substeps == 0 ? dt : std::min(report.dt_min, dt);
-      report.dt_max = std::max(report.dt_max, dt);
-      ++report.substeps;
-      ++times_.steps;
-      dt = next;
-      if (last) break;
-    }
+    while (fault.status == Status::ok && time_ < end && !stopped_)
+      fault = run_leg(begin, end, between, report);
   } catch (const std::bad_alloc&) {
     fault = {Status::out_of_memory};
   }
   const Real stopped_at = time_;
   if (fault.status == Status::ok) {
-    if (complete) ++frame_;
+    if (!stopped_) ++frame_;
     fill_report(report);
     if (!std::isfinite(report.kinetic_energy + report.elastic_energy + report.gravity_energy))
       fault = {Status::not_finite};
     else
       fault = farthest_block();
-    if (fault.status != Status::ok && complete) --frame_;
+    if (fault.status != Status::ok && !stopped_) --frame_;
   }
   if (fault.status != Status::ok) {
     if (fault.particle < 0 && !fault.tiny_step) fault.particle = suspect();
@@ -408,7 +271,7 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
   report.culprit = fault.particle;
   report.reason = rend::describe(fault, stopped_at);
   report.sim_seconds =
-      std::chrono::duration<Real>(std::chrono::steady_clock::now() - begin).count();
+      std::chrono::duration<Real>(std::chrono::steady_clock::now() - clock).count();
   report_ = report;
   return report;
 }

@@ -5,6 +5,7 @@
 #include "engine/mpm/solver.h"
 #include "engine/mpm/tile_grid.h"
 #include "engine/mpm/tile_kernel.h"
+#include "engine/mpm/tile_lone.h"
 #include "engine/mpm/tile_store.h"
 #include "engine/mpm/time_step.h"
 
@@ -53,7 +54,8 @@ class TileSolver : public Solver {
   };
   std::vector<Point> points() const;  ///< by id
   const TileTimes& times() const { return times_; }
-  double rollback_bytes_per_particle() const;
+  /// Steps that single particles have taken without a grid.
+  std::int64_t lone_steps() const { return lone_steps_; }
 
  private:
   struct Material {
@@ -80,8 +82,16 @@ class TileSolver : public Solver {
 
   void place(const Model& model);
   MaterialConstants constants_of(const MaterialDesc& material) const;
-  StepConstants step_constants(Real dt, Real next_dt) const;
+  StepConstants step_constants(Pass pass, Real dt, Real next_dt) const;
   StepSums particle_pass(Pass pass, const StepConstants& step);
+  StepSums sums_of(std::uint16_t material, const RunExtremes& extremes) const;
+  StepSums lone_pass(Pass pass, const StepConstants& step);
+  StepSums every_particle(Pass pass, const StepConstants& step);
+  /// Between legs all particles are in regular blocks, with v and C stored; within one, lone ones
+  /// are on their own.
+  void begin_leg(Real remaining);
+  void end_leg();
+  Fault run_leg(Real begin, Real end, const BetweenSteps& between, FrameReport& report);
   /// Largest node velocity component [cells/s].
   Real grid_pass(Real dt);
   void update_topology();
@@ -103,7 +113,6 @@ class TileSolver : public Solver {
   Lane lane(const TileRun& run, int i) const;
   float tau_c(const Lane& lane) const;
   Vec3 world_position(const TileBlock& block, const Lane& lane) const;
-  Vec3 angular_part(const Lane& lane) const;
   void measure(const TileRun& run, std::vector<float>& energy, std::vector<float>& stress) const;
   /// Calls visit(run, block) for every run.
   template <class F>
@@ -121,6 +130,12 @@ class TileSolver : public Solver {
   TileStore store_;
   mutable AlignedFloats spare_;  ///< v and C between frames, room to re-bin within one
   TileGrid grid_;
+  LoneTiles lone_;
+  Real lone_reach_ = 0;   ///< how far anything may move in this leg [cells]
+  Real lone_travel_ = 0;  ///< how far anything may have moved since it began [cells]
+  bool topology_fits_ = false;
+  std::int64_t lone_steps_ = 0;
+  bool stopped_ = false;  ///< between() has ended the advance
   std::vector<RunExtremes> run_extremes_;
   float excess_ = 0;
   MotionExtremes motion_;

@@ -80,6 +80,7 @@ void TileStore::place(const TileLayout& layout, std::vector<Arrival> arrivals,
     blocks_.back().halves |= halves_of_cell(cell_index(a.x, 1));
     before = &a;
   }
+  regular_count_ = static_cast<Index>(blocks_.size());
   lay_out_tiles(runs_);
   tiles_.reserve(std::size_t(tile_count_) * layout_.floats());
   ids_.assign(std::size_t(tile_count_) * kLanes, -1);
@@ -96,9 +97,9 @@ void TileStore::place(const TileLayout& layout, std::vector<Arrival> arrivals,
 }
 
 void TileStore::rebin(AlignedFloats& spare) {
-  const Index old_count = static_cast<Index>(blocks_.size());
+  const Index old_count = regular_count_;
   // Particles of every block, grouped by the neighbor that they go to.
-  std::vector<std::array<std::int32_t, kNeighbors + 1>> group(blocks_.size());
+  std::vector<std::array<std::int32_t, kNeighbors + 1>> group(static_cast<std::size_t>(old_count));
   std::vector<std::int32_t> slots(ids_.size());
   parallel_for(old_count, 4, [&](Index b) {
     const TileBlock& block = blocks_[b];
@@ -181,6 +182,13 @@ void TileStore::rebin(AlignedFloats& spare) {
     blocks[n].run_count = static_cast<std::int32_t>(runs_of[n].size());
     runs.insert(runs.end(), runs_of[n].begin(), runs_of[n].end());
   }
+  const Index lone_count = static_cast<Index>(blocks_.size()) - regular_count_;
+  for (Index n = 0; n < lone_count; ++n) {
+    blocks.push_back(blocks_[regular_count_ + n]);
+    runs.push_back(runs_[blocks.back().first_run]);
+    blocks.back().first_run = static_cast<std::int32_t>(runs.size()) - 1;
+  }
+  const std::vector<TileRun> before(runs.end() - lone_count, runs.end());
   lay_out_tiles(runs);
 
   const int floats = layout_.floats();
@@ -220,6 +228,14 @@ void TileStore::rebin(AlignedFloats& spare) {
       ids[to] = ids_[slot];
     });
   });
+  parallel_for(lone_count, 64, [&](Index n) {
+    const std::int32_t from = before[n].first_tile;
+    const std::int32_t to = runs[runs.size() - lone_count + n].first_tile;
+    std::copy(tile(from), tile(from) + floats, spare.data() + std::size_t(to) * floats);
+    std::copy(ids_.begin() + from * kLanes, ids_.begin() + (from + 1) * kLanes,
+              ids.begin() + to * kLanes);
+  });
+  regular_count_ = new_count;
   std::swap(tiles_, spare);
   ids_.swap(ids);
   blocks_.swap(blocks);
@@ -232,11 +248,36 @@ TileStore::State TileStore::state() const {
   return {layout_, blocks_, runs_, ids_, std::vector<float>(tiles_.data(), tiles_.data() + floats)};
 }
 
+void TileStore::set_lone(const std::vector<std::uint8_t>& flags) {
+  std::vector<TileBlock> regular, lone;
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    (flags[b] ? lone : regular).push_back(blocks_[b]);
+  regular_count_ = static_cast<Index>(regular.size());
+  regular.insert(regular.end(), lone.begin(), lone.end());
+  blocks_.swap(regular);
+}
+
+void TileStore::clear_lone() {
+  for (std::size_t b = static_cast<std::size_t>(regular_count_); b < blocks_.size(); ++b) {
+    TileBlock& block = blocks_[b];
+    float* lane = tile(runs_[block.first_run].first_tile);
+    for (int a = 0; a < 3; ++a) {
+      const float shift = std::floor((lane[a * kLanes] + 0.5f) * 0.25f);
+      block.coord[a] += static_cast<int>(shift);
+      lane[a * kLanes] -= 4 * shift;
+    }
+    block.halves = halves_of_cell(cell_index(lane, kLanes));
+    pad(runs_[block.first_run]);
+  }
+  regular_count_ = static_cast<Index>(blocks_.size());
+}
+
 bool TileStore::State::fits(Index count) const {
   std::int64_t particles = 0, tile_total = 0;
   std::size_t run_total = 0;
   for (const TileBlock& block : blocks) {
-    if (block.first_run != static_cast<std::int32_t>(run_total) || block.run_count < 1)
+    if (block.first_run < 0 || block.run_count < 1 ||
+        block.first_run + block.run_count > static_cast<std::int64_t>(runs.size()))
       return false;
     run_total += static_cast<std::size_t>(block.run_count);
   }
@@ -277,6 +318,7 @@ void TileStore::restore(const State& state) {
   blocks_ = state.blocks;
   runs_ = state.runs;
   ids_ = state.ids;
+  regular_count_ = static_cast<Index>(blocks_.size());
   lay_out_tiles(runs_);
   tiles_.reserve(state.tiles.size());
   std::copy(state.tiles.begin(), state.tiles.end(), tiles_.data());

@@ -5,6 +5,7 @@
 #include "engine/mpm/tile_kernel.h"
 
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace rend {
@@ -53,9 +54,18 @@ class TileStore {
   void place(const TileLayout& layout, std::vector<Arrival> arrivals,
              const std::function<void(float* lane, Index id)>& fill);
 
-  /// Sorts the particles again where they are now, through `spare`, which then holds the old tiles.
+  /// Sorts the particles of regular blocks again where they are now, through `spare`, which then
+  /// holds the old tiles.
   /// @pre no particle is farther than a block from its own.
   void rebin(AlignedFloats& spare);
+
+  /// Moves the flagged blocks, of one particle each, behind the regular ones; rebin() leaves them
+  /// alone.
+  void set_lone(const std::vector<std::uint8_t>& flags);
+  /// Makes all blocks regular; a particle that has left its block takes it along.
+  void clear_lone();
+  /// The first regular_count() blocks are regular, the rest lone.
+  Index regular_count() const { return regular_count_; }
 
   /// Changes the groups of a tile; the ten that are always there keep their values, as do the
   /// others that both layouts have.
@@ -63,6 +73,9 @@ class TileStore {
 
   const TileLayout& layout() const { return layout_; }
   const std::vector<TileBlock>& blocks() const { return blocks_; }
+  std::span<const TileBlock> regular_blocks() const {
+    return {blocks_.data(), static_cast<std::size_t>(regular_count_)};
+  }
   const std::vector<TileRun>& runs() const { return runs_; }
   std::int32_t tile_count() const { return tile_count_; }
   float* tile(std::int32_t t) { return tiles_.data() + std::size_t(t) * layout_.floats(); }
@@ -97,6 +110,7 @@ class TileStore {
   std::vector<Index> ids_;
   AlignedFloats tiles_;
   std::int32_t tile_count_ = 0;
+  Index regular_count_ = 0;
   Index particle_count_ = 0;
 };
 

@@ -1,0 +1,150 @@
+// Live changes of the tile solver, and its state as a file.
+#include "engine/core/error.h"
+#include "engine/mpm/material_state.h"
+#include "engine/mpm/state_file.h"
+#include "engine/mpm/tile_solver.h"
+
+#include <algorithm>
+
+namespace rend {
+
+namespace {
+
+constexpr const char* kKind = "tile";
+
+}  // namespace
+
+// Room for the state of a law that no material had before.
+void TileSolver::add_groups(const TileLayout& needed) {
+  const TileLayout before = store_.layout();
+  store_.change_layout(needed);
+  AlignedFloats motion_copy;
+  const std::size_t floats = std::size_t(store_.tile_count()) * kMotionFloats;
+  motion_copy.reserve(std::max(floats, std::size_t(store_.tile_count()) * needed.floats()));
+  std::copy(motion(), motion() + floats, motion_copy.data());
+  std::swap(spare_, motion_copy);
+  for (const TileRun& run : store_.runs())
+    for (int i = 0; i < run.tiles() * kLanes; ++i) {
+      float* lane = store_.tile(run.first_tile + i / kLanes) + i % kLanes;
+      const Index id =
+          store_.ids()[std::size_t(run.first_tile) * kLanes + std::min(i, run.count - 1)];
+      const float threshold = static_cast<float>(tau_c0(run.material, id));
+      if (before.tau_c < 0 && needed.tau_c >= 0) lane[needed.tau_c * kLanes] = threshold;
+      if (before.tau_c0 < 0 && needed.tau_c0 >= 0) lane[needed.tau_c0 * kLanes] = threshold;
+    }
+}
+
+void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
+  const Real before = initial_threshold(materials_.at(index).desc.yield_surface);
+  materials_[index] = {material, constants_of(material)};
+  const Real now = initial_threshold(material.yield_surface);
+  const bool had_threshold = store_.layout().tau_c >= 0;
+  const TileLayout needed = needed_layout();
+  if (needed.groups != store_.layout().groups) add_groups(needed);
+  const TileLayout& layout = store_.layout();
+  if (layout.tau_c >= 0)
+    for (const TileRun& run : store_.runs()) {
+      if (run.material != index) continue;
+      for (int i = 0; i < run.count; ++i) {
+        const std::int32_t t = run.first_tile + i / kLanes;
+        float* lane = store_.tile(t) + i % kLanes;
+        const Index id =
+            store_.ids()[std::size_t(run.first_tile) * kLanes + static_cast<std::size_t>(i)];
+        float& state = lane[layout.tau_c * kLanes];
+        if (had_threshold && (state > 0 || before == 0))
+          state = static_cast<float>(before > 0 ? state * (now / before) : tau_c0(index, id));
+        if (layout.tau_c0 >= 0)
+          lane[layout.tau_c0 * kLanes] = static_cast<float>(tau_c0(index, id));
+      }
+    }
+  measure_motion();
+}
+
+TileSolver::State TileSolver::state() const {
+  State s;
+  s.store = store_.state();
+  s.motion.assign(motion(), motion() + std::size_t(store_.tile_count()) * kMotionFloats);
+  s.time = time_;
+  s.dissipated = dissipated_;
+  s.external_work = external_work_;
+  s.extremes = motion_;
+  s.excess = excess_;
+  return s;
+}
+
+void TileSolver::restore(const State& s) {
+  lone_.clear();
+  store_.restore(s.store);
+  spare_.reserve(std::max(s.motion.size(), s.store.tiles.size()));
+  std::copy(s.motion.begin(), s.motion.end(), motion());
+  time_ = s.time;
+  dissipated_ = s.dissipated;
+  external_work_ = s.external_work;
+  motion_ = s.extremes;
+  excess_ = s.excess;
+  update_topology();
+}
+
+void TileSolver::save(std::ostream& out) const {
+  StateWriter writer;
+  const State s = state();
+  writer.put(s.time);
+  writer.put(frame_);
+  writer.put(s.dissipated);
+  writer.put(s.external_work);
+  writer.put(s.extremes);
+  writer.put(s.excess);
+  writer.put(gravity_);
+  writer.put(pull_.at);
+  writer.put(pull_.force);
+  writer.put(pull_.radius);
+  for (const Material& material : materials_) put_material(writer, material.desc);
+  writer.put(s.store.layout);
+  writer.put(s.store.blocks);
+  writer.put(s.store.runs);
+  writer.put(s.store.ids);
+  writer.put(s.store.tiles);
+  writer.put(s.motion);
+  writer.write(out, kKind, scene_hash_);
+}
+
+void TileSolver::load(std::istream& in) {
+  StateReader reader(in, kKind, scene_hash_);
+  State s;
+  Index frame;
+  Vec3 gravity;
+  PullForce pull;
+  reader.get(s.time);
+  reader.get(frame);
+  reader.get(s.dissipated);
+  reader.get(s.external_work);
+  reader.get(s.extremes);
+  reader.get(s.excess);
+  reader.get(gravity);
+  reader.get(pull.at);
+  reader.get(pull.force);
+  reader.get(pull.radius);
+  std::vector<Material> materials;
+  for (const Material& material : materials_) {
+    const MaterialDesc desc = get_material(reader, material.desc);
+    materials.push_back({desc, constants_of(desc)});
+  }
+  reader.get(s.store.layout);
+  reader.get(s.store.blocks);
+  reader.get(s.store.runs);
+  reader.get(s.store.ids);
+  reader.get(s.store.tiles);
+  reader.get(s.motion);
+  reader.finish();
+  if (!s.store.fits(store_.particle_count()))
+    throw Error("state", "its tiles do not hold the particles of this scene");
+  restore(s);
+  frame_ = frame;
+  gravity_ = gravity;
+  pull_ = pull;
+  materials_ = std::move(materials);
+  report_ = {};
+  fill_report(report_);
+}
+
+}  // namespace rend

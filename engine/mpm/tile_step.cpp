@@ -1,0 +1,196 @@
+// The passes of one step of the tile solver.
+#include "engine/core/parallel.h"
+#include "engine/core/stopwatch.h"
+#include "engine/mpm/node_loads.h"
+#include "engine/mpm/tile_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rend {
+
+TileSolver::StepSums& TileSolver::StepSums::operator+=(const StepSums& other) {
+  motion += other.motion;
+  dissipation += other.dissipation;
+  excess = std::max(excess, other.excess);
+  finite = finite && other.finite;
+  return *this;
+}
+
+StepConstants TileSolver::step_constants(Pass pass, Real dt, Real next_dt) const {
+  StepConstants step;
+  step.layout = store_.layout();
+  step.dt = static_cast<float>(dt);
+  step.stress_factor = static_cast<float>(-4 * next_dt / (density_ * dx_ * dx_));
+  if (pass == Pass::scatter) return step;
+  const Real r = scene_.solver.rpic_blend;
+  switch (scene_.solver.transfer) {
+    case Transfer::pic:
+      step.affine_keep = 0;
+      break;
+    case Transfer::rpic:
+      step.affine_keep = static_cast<float>(0.5 * (r + 1));
+      step.affine_swap = static_cast<float>(0.5 * (r - 1));
+      break;
+    default:
+      break;
+  }
+  return step;
+}
+
+TileSolver::StepSums TileSolver::particle_pass(Pass pass, const StepConstants& step) {
+  const Stopwatch watch(times_.particles);
+  const auto kernel = kernels_->particles[static_cast<int>(pass)];
+  run_extremes_.resize(store_.runs().size());
+  return ordered_sum(store_.regular_count(), 1, StepSums(), [&](Index b) {
+    const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+    ParticleRun few[4];
+    std::vector<ParticleRun> many;
+    ParticleRun* runs = few;
+    if (block.run_count > 4) {
+      many.resize(static_cast<std::size_t>(block.run_count));
+      runs = many.data();
+    }
+    for (int r = 0; r < block.run_count; ++r) {
+      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+      runs[r] = {store_.tile(run.first_tile),
+                 motion() + std::size_t(run.first_tile) * kMotionFloats,
+                 &materials_[run.material].constants, run.count};
+    }
+    BlockTask task;
+    task.runs = runs;
+    task.extremes = run_extremes_.data() + block.first_run;
+    task.run_count = block.run_count;
+    task.grid = grid_.all_nodes();
+    task.neighbors = grid_.neighbors(b).data();
+    for (int a = 0; a < 3; ++a) {
+      task.low[a] = block.low(a);
+      task.high[a] = block.high(a);
+    }
+    task.rows = grid_.rows(b);
+    task.allowed = grid_.allowed(b);
+    kernel(step, task);
+    grid_.set_touched(b, task.touched);
+
+    StepSums sums;
+    sums.excess = task.excess;
+    for (int r = 0; r < block.run_count; ++r)
+      sums += sums_of(store_.runs()[static_cast<std::size_t>(block.first_run + r)].material,
+                      task.extremes[r]);
+    return sums;
+  });
+}
+
+TileSolver::StepSums TileSolver::sums_of(std::uint16_t material,
+                                         const RunExtremes& extremes) const {
+  StepSums sums;
+  sums.motion.stiffness = materials_[material].stiffness(extremes);
+  sums.motion.gradient = std::sqrt(static_cast<Real>(extremes.gradient2));
+  const bool affine = scene_.solver.transfer != Transfer::pic;
+  sums.motion.speed = dx_ * (std::sqrt(static_cast<Real>(extremes.speed2)) +
+                             (affine ? std::sqrt(3.0) * sums.motion.gradient : 0));
+  sums.dissipation = extremes.dissipation;
+  sums.finite = extremes.finite;
+  return sums;
+}
+
+TileSolver::StepSums TileSolver::lone_pass(Pass pass, const StepConstants& step) {
+  const Vec3 change = static_cast<Real>(step.dt) / dx_ * gravity_;
+  const float gain[3] = {static_cast<float>(change[0]), static_cast<float>(change[1]),
+                         static_cast<float>(change[2])};
+  const auto kernel = kernels_->lone[static_cast<int>(pass)];
+  constexpr Index kTiles = 4;
+  StepSums total;
+  for (const TileRun& run : lone_.runs()) {
+    if (pass != Pass::scatter) lone_steps_ += run.count;
+    total += ordered_sum((run.tiles() + kTiles - 1) / kTiles, 8, StepSums(), [&](Index part) {
+      const std::int32_t first = part * kTiles;
+      const ParticleRun piece{lone_.tile(run.first_tile + first),
+                              lone_.motion(run.first_tile + first),
+                              &materials_[run.material].constants,
+                              std::min(kTiles * kLanes, run.count - first * kLanes)};
+      RunExtremes extremes;
+      kernel(step, piece, gain, extremes);
+      return sums_of(run.material, extremes);
+    });
+  }
+  return total;
+}
+
+TileSolver::StepSums TileSolver::every_particle(Pass pass, const StepConstants& step) {
+  StepSums sums = particle_pass(pass, step);
+  if (!lone_.empty()) sums += lone_pass(pass, step);
+  return sums;
+}
+
+Real TileSolver::grid_pass(Real dt) {
+  const Stopwatch watch(times_.grid);
+  struct Fastest {
+    float speed = 0;
+    bool finite = true;
+    Fastest& operator+=(const Fastest& other) {
+      finite = finite && other.finite && std::isfinite(other.speed);
+      speed = std::max(speed, other.speed);
+      return *this;
+    }
+  };
+  const Vec3 gain = dt / dx_ * gravity_;
+  std::vector<std::uint32_t> touched(static_cast<std::size_t>(grid_.count()));
+  Fastest fastest = ordered_sum(grid_.count(), 8, Fastest(), [&](Index g) {
+    GridTask task = grid_.task(g);
+    for (int a = 0; a < 3; ++a) task.velocity_gain[a] = static_cast<float>(gain[a]);
+    kernels_->grid(task);
+    touched[static_cast<std::size_t>(g)] = task.touched;
+    return Fastest{task.max_speed};
+  });
+
+  NodeLoads loads(scene_.colliders, pull_, time_ + dt);
+  motion_.collider_speed = loads.collider_speed();
+  if (loads.none()) return fastest.finite ? fastest.speed : std::nan("");
+
+  const Real node_mass = density_ * dx_ * dx_ * dx_;
+  const auto each_node = [&](Index g, auto&& visit) {
+    const Vec3 origin = 4.0 * dx_ * grid_.coord(g).cast<Real>();
+    float* node = grid_.nodes(g);
+    for (int n = 0; n < 64; ++n)
+      if ((touched[static_cast<std::size_t>(g)] >> (n / 4) & 1) != 0 && node[4 * n + 3] > 0)
+        visit(Vec3(origin + dx_ * Vec3(n >> 4, n >> 2 & 3, n & 3)), node_mass * node[4 * n + 3],
+              node + 4 * n);
+  };
+  if (loads.pulls())
+    loads.set_pulled_mass(ordered_sum(grid_.count(), 8, 0.0, [&](Index g) {
+      Real mass = 0;
+      each_node(g, [&](const Vec3& x, Real m, float*) { mass += m * loads.falloff(x); });
+      return mass;
+    }));
+  const Real radius = 1.5 * std::sqrt(3.0) * dx_;
+  struct Loaded {
+    Real work = 0;
+    Fastest fastest;
+    Loaded& operator+=(const Loaded& other) {
+      work += other.work;
+      fastest += other.fastest;
+      return *this;
+    }
+  };
+  const Loaded loaded = ordered_sum(grid_.count(), 8, Loaded(), [&](Index g) {
+    Loaded out;
+    const Vec3 centre = dx_ * (4.0 * grid_.coord(g).cast<Real>() + Vec3::Constant(1.5));
+    const NodeLoads::Near near = loads.near(centre, radius);
+    if (near.none()) return out;
+    each_node(g, [&](const Vec3& x, Real m, float* node) {
+      const Vec3 v = dx_ * Vec3(node[0], node[1], node[2]);
+      const Vec3 after = loads.apply(near, x, m, dt, v, out.work);
+      for (int a = 0; a < 3; ++a) {
+        node[a] = static_cast<float>(after[a] / dx_);
+        out.fastest += {std::abs(node[a])};
+      }
+    });
+    return out;
+  });
+  external_work_ += loaded.work;
+  fastest += loaded.fastest;
+  return fastest.finite ? fastest.speed : std::nan("");
+}
+
+}  // namespace rend

@@ -4,6 +4,7 @@
 #include "bench/textbook_solver.h"
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "engine/core/stopwatch.h"
 #include "engine/mpm/reference_solver.h"
 #include "engine/mpm/tile_solver.h"
 
@@ -13,7 +14,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <numeric>
 
@@ -24,11 +24,6 @@ namespace {
 constexpr Real kTimeStep = 1.7e-3;  // [s]; about 0.2 dx / c
 constexpr Real kFlops = 1500;  // hand count of one particle and step, speed notes of the design
 
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

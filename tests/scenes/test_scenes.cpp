@@ -15,7 +15,8 @@ using namespace rend;
 namespace {
 
 constexpr double kMemoryLimit = 8e9;  // bytes
-constexpr double kSlowParticles = 20000;
+constexpr double kQuickParticles = 20000;
+constexpr double kQuickMeshParticles = 1500;  // mesh forces run in the reference solver
 constexpr int kFrames = 2;
 
 /// Particle counts that the slides of 2019 give, by the beginning of the scene's name.
@@ -43,10 +44,12 @@ bool can_be_built(const std::string& name, const SceneDesc& scene) {
 
 /// The scene on a grid so coarse that two frames take about a second.
 SceneDesc quick(const SceneLibrary& library, const std::string& name, const SceneDesc& scene) {
+  const bool mesh_forces = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                       [](const BodyDesc& body) { return body.force == ForceKind::mesh; });
+  const double wanted = mesh_forces ? kQuickMeshParticles : kQuickParticles;
   const double particles = estimate_model(scene).particles;
-  if (particles < kSlowParticles) return scene;
-  const double dx = scene.grid.dx * std::cbrt(particles / kSlowParticles);
-  return library.read(name, {{"/grid/dx", std::to_string(dx)}});
+  if (particles < wanted) return scene;
+  return library.read(name, {{"/grid/dx", std::to_string(scene.grid.dx * std::cbrt(particles / wanted))}});
 }
 
 }  // namespace

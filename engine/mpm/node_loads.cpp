@@ -7,8 +7,9 @@
 
 namespace rend {
 
-NodeLoads::NodeLoads(const std::vector<ColliderDesc>& colliders, const PullForce& pull, Real time)
-    : colliders_(pose_colliders(colliders, time)), pull_(pull) {}
+NodeLoads::NodeLoads(const std::vector<ColliderDesc>& colliders, const PullForce& pull, Real time,
+                     const NodeRule& rule)
+    : colliders_(pose_colliders(colliders, time)), pull_(pull), time_(time), rule_(rule) {}
 
 Real NodeLoads::collider_speed() const {
   Real fastest = 0;
@@ -27,6 +28,7 @@ NodeLoads::Near NodeLoads::near(const Vec3& centre, Real radius) const {
     if (distance_to(c.desc->shape, c.pose.to_local(centre)).value <= radius)
       out.colliders.push_back(&c);
   out.pull = pulled_mass_ > 0 && (centre - pull_.at).norm() <= pull_.radius + radius;
+  out.rule = static_cast<bool>(rule_);
   return out;
 }
 
@@ -50,6 +52,11 @@ Vec3 NodeLoads::apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 
     const Vec3 after = wall + relative_velocity_after_contact(*c->desc, v - wall,
                                                               c->pose.rotation * distance.normal);
     work += mass * (after - v).dot(wall);
+    v = after;
+  }
+  if (near.rule) {
+    const Vec3 after = rule_(x, time_, dt, v);
+    work += 0.5 * mass * (after - v).dot(after + v);
     v = after;
   }
   return v;

@@ -12,9 +12,10 @@ namespace rend {
 class NodeLoads {
  public:
   /// Colliders are posed at `time`, the end of the step [s].
-  NodeLoads(const std::vector<ColliderDesc>& colliders, const PullForce& pull, Real time);
+  NodeLoads(const std::vector<ColliderDesc>& colliders, const PullForce& pull, Real time,
+            const NodeRule& rule = {});
 
-  bool none() const { return colliders_.empty() && pull_.radius <= 0; }
+  bool none() const { return colliders_.empty() && pull_.radius <= 0 && !rule_; }
   bool pulls() const { return pull_.radius > 0; }
   /// Fastest point of a collider [m/s].
   Real collider_speed() const;
@@ -28,19 +29,23 @@ class NodeLoads {
   struct Near {
     std::vector<const PosedCollider*> colliders;
     bool pull = false;
-    bool none() const { return colliders.empty() && !pull; }
+    bool rule = false;
+    bool none() const { return colliders.empty() && !pull && !rule; }
   };
   Near near(const Vec3& centre, Real radius) const;
 
   /// Whether a point is inside one of these colliders.
   bool meets(const Near& near, const Vec3& x) const;
 
-  /// Velocity of a node of mass m [kg] at x after pull and contact; adds their work [J] to `work`.
+  /// Velocity of a node of mass m [kg] at x after pull, contact and rule; adds their work [J] to
+  /// `work`.
   Vec3 apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v, Real& work) const;
 
  private:
   std::vector<PosedCollider> colliders_;
   PullForce pull_;
+  Real time_;
+  NodeRule rule_;
   Real pulled_mass_ = 0;
 };
 

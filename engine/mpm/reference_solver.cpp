@@ -117,7 +117,7 @@ void ReferenceSolver::particles_to_grid() {
 
 void ReferenceSolver::update_grid(Real dt) {
   const Index blocks = static_cast<Index>(grid_.grid_blocks().size());
-  NodeLoads loads(scene_.colliders, pull_, time_ + dt);
+  NodeLoads loads(scene_.colliders, pull_, time_ + dt, node_rule_);
   if (loads.pulls())
     loads.set_pulled_mass(ordered_sum(blocks, 8, 0.0, [&](Index b) {
       Real sum = 0;

@@ -10,6 +10,7 @@
 #include "engine/mpm/solver.h"
 #include "engine/mpm/time_step.h"
 
+#include <utility>
 #include <vector>
 
 namespace rend {
@@ -26,6 +27,7 @@ class ReferenceSolver : public Solver {
   void set_material(std::size_t index, const MaterialDesc& material) override;
   void set_gravity(const Vec3& gravity) override { gravity_ = gravity; }
   void set_pull(const PullForce& pull) override { pull_ = pull; }
+  void set_node_rule(NodeRule rule) override { node_rule_ = std::move(rule); }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
   std::string describe() const override;
@@ -86,6 +88,7 @@ class ReferenceSolver : public Solver {
   std::vector<Vec3i> first_node_;
   Vec3 gravity_;
   PullForce pull_;
+  NodeRule node_rule_;
   Real time_ = 0;
   Real dissipated_ = 0, external_work_ = 0;
   MotionExtremes motion_;

@@ -23,6 +23,10 @@ struct PullForce {
   Real radius = 0;            ///< [m]; 0 is off
 };
 
+/// Velocity [m/s] of a grid node at x [m] at the end `time` [s] of a step of length dt, given its
+/// velocity v after forces, gravity, pull and contact; called on any thread.
+using NodeRule = std::function<Vec3(const Vec3& x, Real time, Real dt, const Vec3& v)>;
+
 class Solver {
  public:
   virtual ~Solver() = default;
@@ -39,6 +43,9 @@ class Solver {
   virtual void set_material(std::size_t index, const MaterialDesc& material) = 0;
   virtual void set_gravity(const Vec3& gravity) = 0;
   virtual void set_pull(const PullForce& pull) = 0;
+  /// A body force or boundary condition that no scene describes, as manufactured solutions need; an
+  /// empty rule is off. Not part of save().
+  virtual void set_node_rule(NodeRule rule) = 0;
 
   /// Exact binary state; load() of the same scene continues with the same bits. @throws Error when
   /// it does not fit.

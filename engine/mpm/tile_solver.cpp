@@ -153,7 +153,7 @@ void TileSolver::begin_leg(Real remaining) {
   const Real dt = choose_time_step(scene_.solver, dx_, motion_, remaining);
   lone_reach_ = std::clamp(kStepsOfLeg * dt * speed, 0.1, 2.0);
   lone_travel_ = 0;
-  NodeLoads loads(scene_.colliders, pull_, time_);
+  NodeLoads loads(scene_.colliders, pull_, time_, node_rule_);
   loads.set_pulled_mass(1);
   const Real clearance = (1.5 * std::sqrt(3.0) + 2 * lone_reach_) * dx_;
   const std::vector<std::uint8_t> flags = find_lone_blocks(store_, lone_reach_, [&](const Vec3& x) {

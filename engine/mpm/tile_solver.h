@@ -11,6 +11,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rend {
@@ -41,6 +42,7 @@ class TileSolver : public Solver {
   void set_material(std::size_t index, const MaterialDesc& material) override;
   void set_gravity(const Vec3& gravity) override { gravity_ = gravity; }
   void set_pull(const PullForce& pull) override { pull_ = pull; }
+  void set_node_rule(NodeRule rule) override { node_rule_ = std::move(rule); }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
   std::string describe() const override;
@@ -141,6 +143,7 @@ class TileSolver : public Solver {
   MotionExtremes motion_;
   Vec3 gravity_;
   PullForce pull_;
+  NodeRule node_rule_;
   Real time_ = 0, dissipated_ = 0, external_work_ = 0;
   Index frame_ = 0;
   FrameReport report_;

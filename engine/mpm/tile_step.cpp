@@ -144,7 +144,7 @@ Real TileSolver::grid_pass(Real dt) {
     return Fastest{task.max_speed};
   });
 
-  NodeLoads loads(scene_.colliders, pull_, time_ + dt);
+  NodeLoads loads(scene_.colliders, pull_, time_ + dt, node_rule_);
   motion_.collider_speed = loads.collider_speed();
   if (loads.none()) return fastest.finite ? fastest.speed : std::nan("");
 

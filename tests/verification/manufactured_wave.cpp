@@ -1,0 +1,83 @@
+// Runs of the manufactured wave.
+#include "tests/verification/manufactured_wave.h"
+
+#include "tests/mpm/kuhn_model.h"
+
+#include <doctest/doctest.h>
+
+namespace rend {
+
+WaveErrors run_wave(const SolverDesc& solver, const WaveRun& run) {
+  SceneDesc scene = plain_scene();
+  const Real dx = 1.0 / run.cells, spacing = dx / run.per_axis;
+  scene.grid.dx = dx;
+  scene.solver = solver;
+  scene.materials[0].youngs_modulus = 1;
+  ManufacturedWave wave(scene.materials[0]);
+  wave.amplitude = run.amplitude;
+  if (run.thin) wave.k[1] = wave.k[2] = 0;
+
+  // Matter goes on for two cells beyond the cube, so that every node inside has its neighbours.
+  const int margin = 2, count = (run.cells + 2 * margin) * run.per_axis;
+  const Real low = -margin * dx;
+  Model model;
+  if (run.mesh) {
+    scene.bodies.emplace_back().force = ForceKind::mesh;
+    model = kuhn_box(Vec3(low, 0, 0), Vec3i(count, 1, 1), spacing);
+  } else {
+    const Vec3 corner = run.thin ? Vec3(low, -0.5 * spacing, -0.5 * spacing) : Vec3(low, low, low);
+    const Vec3i counts = run.thin ? Vec3i(count, 1, 1) : Vec3i(count, count, count);
+    model = LatticeModel().add_box(corner, counts, spacing).model;
+  }
+  const int frames = 5;
+  const Real frame = run.duration / wave.c / frames;
+  const Real steps = std::ceil(frame / (run.courant * dx / wave.speed()) * (1 - 1e-12));
+  const Real dt = frame / steps;
+  scene.solver.time_step = dt;
+  for (std::size_t p = 0; p < model.X.size(); ++p)
+    model.velocity[p] = wave.velocity(model.X[p], run.half_step ? -0.5 * dt : 0);
+
+  std::vector<std::size_t> inside;
+  for (std::size_t p = 0; p < model.X.size(); ++p) {
+    bool in = true;
+    for (int a = 0; a < (run.thin ? 1 : 3); ++a) in = in && model.X[p][a] > 0 && model.X[p][a] < 1;
+    if (in) inside.push_back(p);
+  }
+  Trial trial(scene, model);
+  trial->set_node_rule(wave.rule(run.thin));
+  WaveErrors errors;
+  Real most_u = 0, most_v = 0, most_tau = 0;
+  for (int f = 1; f <= frames; ++f) {
+    const FrameReport report = trial->advance(frame);
+    REQUIRE(report.status == Status::ok);
+    REQUIRE(report.substeps == static_cast<Index>(steps));
+    const Real t = f * frame;
+    const Matter now = trial.matter();
+    Real u2 = 0, v2 = 0, tau2 = 0, u_exact = 0, v_exact = 0, tau_exact = 0;
+    for (std::size_t p : inside) {
+      const Vec3& X = model.X[p];
+      const Vec3 u = wave.displacement(X, t), v = wave.velocity(X, t - 0.5 * dt);
+      const Mat3 tau = wave.stress(X, t).asDiagonal();
+      u2 += (now.x[p] - X - u).squaredNorm();
+      v2 += (now.v[p] - v).squaredNorm();
+      tau2 += (now.tau[p] - tau).squaredNorm();
+      u_exact += u.squaredNorm();
+      v_exact += v.squaredNorm();
+      tau_exact += tau.squaredNorm();
+    }
+    errors.u = std::max(errors.u, u2);
+    errors.v = std::max(errors.v, v2);
+    errors.tau = std::max(errors.tau, tau2);
+    most_u = std::max(most_u, u_exact);
+    most_v = std::max(most_v, v_exact);
+    most_tau = std::max(most_tau, tau_exact);
+    if (f < frames) continue;
+    for (std::size_t p : inside) errors.last.push_back(now.x[p][0] - model.X[p][0]);
+  }
+  errors.u = std::sqrt(errors.u / most_u);
+  errors.v = std::sqrt(errors.v / most_v);
+  errors.tau = std::sqrt(errors.tau / most_tau);
+  return errors;
+}
+
+}  // namespace rend

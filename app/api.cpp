@@ -2,7 +2,7 @@
 #include "app/api.h"
 
 #include "app/api_query.h"
-#include "app/ply.h"
+#include "app/frame_formats.h"
 #include "app/version.h"
 #include "engine/core/error.h"
 #include "web/assets.h"
@@ -192,17 +192,20 @@ Response get_picture(const ApiContext& context, const Request& request) {
   }
 }
 
-Response get_frame_file(const ApiContext& context, const Request& request, bool png) {
+/// A recorded frame as a picture, or as a mesh of the given format.
+Response get_frame_file(const ApiContext& context, const Request& request, const FrameFormat* format) {
   const Index number = read_frame_number(request.parts.at(0));
   const auto recorded = context.session.frame(number);
   const SessionState state = context.session.state();
   if (!recorded || !state.stage) return web::problem(404, "no_frame", "this frame is not recorded");
   const std::string name = fmt::format("{}-{:06}", state.scene_name, number);
-  const auto attachment = [&](const char* ending) {
+  const auto attachment = [&](const std::string& ending) {
     return std::map<std::string, std::string>{
         {"Content-Disposition", fmt::format("attachment; filename=\"{}.{}\"", name, ending)}};
   };
-  if (!png) return {200, "application/octet-stream", surface_ply(*recorded->frame.surface), attachment("ply")};
+  if (format)
+    return {200, format->media_type, format->surface(*recorded->frame.surface, recorded->frame.snapshot->time),
+            attachment(format->name)};
   PictureQuery query = read_picture_query(request.query);
   query.quality_still = true;
   const std::string frame_key = fmt::format("{}-{}-{}", state.data, number, state.scene_name);
@@ -276,7 +279,7 @@ Response get_version(const ApiContext& context) {
 }  // namespace
 
 std::vector<web::Route> make_api(ApiContext c) {
-  return {
+  std::vector<web::Route> routes = {
       {"GET", "/api/health", [](const Request&) { return reply({{"ok", true}}); }},
       {"GET", "/api/version", [c](const Request&) { return get_version(c); }},
       {"GET", "/api/scenes", [c](const Request&) { return list_scenes(c); }},
@@ -289,9 +292,12 @@ std::vector<web::Route> make_api(ApiContext c) {
       {"POST", "/api/pull", [c](const Request& r) { return post_pull(c, r); }},
       {"GET", "/api/frame.jpg", [c](const Request& r) { return get_picture(c, r); }, 0, true},
       {"GET", "/api/series", [c](const Request& r) { return get_series(c, r); }},
-      {"GET", "/api/frames/{n}.png", [c](const Request& r) { return get_frame_file(c, r, true); }},
-      {"GET", "/api/frames/{n}/mesh.ply", [c](const Request& r) { return get_frame_file(c, r, false); }},
+      {"GET", "/api/frames/{n}.png", [c](const Request& r) { return get_frame_file(c, r, nullptr); }},
   };
+  for (const FrameFormat& format : frame_formats())
+    routes.push_back({"GET", "/api/frames/{n}/mesh." + format.name,
+                      [c, &format](const Request& r) { return get_frame_file(c, r, &format); }});
+  return routes;
 }
 
 }  // namespace rend

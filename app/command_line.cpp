@@ -49,7 +49,7 @@ Overrides parse_overrides(const std::vector<std::string>& texts) {
 struct CommandLine {
   std::string scene;
   std::vector<std::string> set;
-  std::string size = "1280x720";
+  std::string size = "1280x720", formats = "ply";
   RunOptions run;
   ServeOptions serve;
   GalleryOptions gallery;
@@ -95,6 +95,17 @@ void add_serve(CLI::App& app, CommandLine& line) {
   });
 }
 
+std::vector<std::string> parse_formats(const std::string& text) {
+  std::vector<std::string> formats;
+  if (text == "none") return formats;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    formats.push_back(find_frame_format("--formats", text.substr(start, comma - start)).name);
+    start = comma + 1;
+  }
+  return formats;
+}
+
 /// What `run` and `remesh` write, and how.
 void add_output_options(CLI::App& command, CommandLine& line) {
   OutputOptions& output = line.run.output;
@@ -105,12 +116,14 @@ void add_output_options(CLI::App& command, CommandLine& line) {
   command.add_option("--png-level", output.png_level, "PNG compression, 0 to 9")->check(CLI::Range(0, 9))
       ->capture_default_str();
   command.add_flag("--png,!--no-png", output.png, "Write png/000001.png ... (on by default)");
-  command.add_flag("--ply,!--no-ply", output.ply, "Write mesh/ and particles/ as binary PLY (on by default)");
+  command.add_option("--formats", line.formats, "Files of mesh/ and particles/: ply, vtp, obj, glb with commas between; or none")
+      ->capture_default_str();
 }
 
 void finish_output_options(CommandLine& line) {
   OutputOptions& output = line.run.output;
   parse_size(line.size, output.width, output.height);
+  output.formats = parse_formats(line.formats);
   output.gl = line.gl;
 }
 

@@ -3,9 +3,9 @@
 
 #include "app/gallery_page.h"
 #include "app/pipeline.h"
-#include "app/ply.h"
 #include "app/progress.h"
 #include "app/view.h"
+#include "app/write_file.h"
 #include "engine/core/error.h"
 #include "render/image_file.h"
 
@@ -128,12 +128,6 @@ bool run_one(const SceneDesc& scene, Pictures& pictures, Pipeline& pipeline,
       fmt::format("{} particles, {:.0f} steps, simulate {:.2g} s, post-process {:.2g} s per frame",
                   figures.particles, figures.steps, figures.simulate, figures.post));
   return true;
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (code) throw Error(folder.string(), "cannot create the folder: " + code.message());
 }
 
 }  // namespace

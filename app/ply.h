@@ -5,7 +5,6 @@
 #include "engine/mpm/snapshot.h"
 #include "engine/scene/model.h"
 
-#include <filesystem>
 #include <string>
 
 namespace rend {
@@ -16,8 +15,5 @@ std::string surface_ply(const SurfaceMesh& mesh);
 
 /// Little-endian PLY of points: id, x y z, rest_x.., vx vy vz, damage, stress [Pa], yielded, body.
 std::string particles_ply(const Snapshot& snapshot, const Model& model);
-
-/// Writes bytes under a temporary name and renames. @throws Error naming the file when the disk refuses.
-void write_file(const std::filesystem::path& file, const std::string& bytes);
 
 }  // namespace rend

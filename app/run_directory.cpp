@@ -1,8 +1,8 @@
 // A run directory.
 #include "app/run_directory.h"
 
-#include "app/ply.h"
 #include "app/record.h"
+#include "app/write_file.h"
 #include "engine/core/error.h"
 #include "engine/scene/scene_reader.h"
 #include "render/image_file.h"
@@ -22,24 +22,15 @@ SceneDesc with_found_meshes(SceneDesc scene) {
   return scene;
 }
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code code;
-  std::filesystem::create_directories(folder, code);
-  if (code) throw Error(folder.string(), "cannot create the folder: " + code.message());
-}
-
 }  // namespace
 
 RunDirectory::RunDirectory(OutputOptions options, const Stage& stage, const Model& model)
     : options_(std::move(options)), stage_(stage), model_(model), fingerprint_(fingerprint(model)) {
   if (options_.png) renderer_.emplace(options_.gl);
   make_folder(options_.out);
+  files_.emplace(options_.out, options_.formats);
   if (options_.png) make_folder(options_.out / "png");
   if (options_.record) make_folder(options_.out / "record");
-  if (options_.ply) {
-    make_folder(options_.out / "mesh");
-    make_folder(options_.out / "particles");
-  }
   write_file(options_.out / "scene.json", write_scene(with_found_meshes(stage.scene)));
   table_ = frame_table_header();
 }
@@ -58,10 +49,7 @@ void RunDirectory::write(const Frame& frame) {
   const std::string name = fmt::format("{:06}", frame.snapshot->frame);
   FrameCost cost{frame.fracture.seconds, 0};
   if (renderer_) cost.render_seconds = write_picture(frame, name);
-  if (options_.ply) {
-    write_file(options_.out / "mesh" / (name + ".ply"), surface_ply(*frame.surface));
-    write_file(options_.out / "particles" / (name + ".ply"), particles_ply(*frame.snapshot, model_));
-  }
+  files_->write(name, *frame.surface, *frame.snapshot, model_);
   if (options_.record) write_file(options_.out / "record" / (name + ".bin"), encode_snapshot(*frame.snapshot, fingerprint_));
   table_ += frame_table_row(frame, cost);
   write_file(options_.out / "frames.csv", table_);

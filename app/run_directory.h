@@ -1,6 +1,7 @@
 // A run directory: scene.json, frames.csv, png/, mesh/, particles/, record/; written file by file, each renamed when whole.
 #pragma once
 
+#include "app/frame_formats.h"
 #include "app/frame_table.h"
 #include "app/pipeline.h"
 #include "app/view.h"
@@ -14,7 +15,8 @@ namespace rend {
 
 struct OutputOptions {
   std::filesystem::path out;
-  bool png = true, ply = true, record = true;
+  bool png = true, record = true;
+  std::vector<std::string> formats = {"ply"};  ///< of mesh/ and particles/, see frame_formats.h
   int width = 1280, height = 720;
   int accumulate = 8;  ///< render passes per picture
   int png_level = 1;
@@ -36,6 +38,7 @@ class RunDirectory {
   const Stage& stage_;
   const Model& model_;
   std::uint64_t fingerprint_;
+  std::optional<FrameFiles> files_;
   std::optional<Renderer> renderer_;
   std::string table_;
 };

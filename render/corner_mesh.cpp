@@ -85,21 +85,11 @@ CornerLists list_corners(const Source& s, const std::vector<std::uint8_t>& split
   return lists;
 }
 
-template <class Value>
-void append(const Source& s, const Value& value, CornerMesh& out) {
+/// Writes the number of the vertex that `emit(v, normal, kind)` makes for every corner.
+template <class Emit>
+void split_corners(const Source& s, const Emit& emit, std::uint32_t* const indices) {
   const std::vector<std::uint8_t> split = find_split(s);
   const CornerLists lists = list_corners(s, split);
-  const auto emit = [&](std::size_t v, const Vec3f& normal, Kind kind) {
-    const Vec3f& x = s.x[v];
-    out.vertices.push_back({{x.x(), x.y(), x.z()}, pack_normal(normal, kind), value(v, kind)});
-    return static_cast<std::uint32_t>(out.vertices.size() - 1);
-  };
-
-  const std::size_t first = out.indices.size();
-  out.vertices.reserve(out.vertices.size() + s.x.size() + lists.corner.size() / 3);
-  out.indices.resize(first + 3 * s.triangles.size());
-  std::uint32_t* const indices = out.indices.data() + first;
-
   struct Face {
     Vec3f area, normal;
     Kind kind;
@@ -141,6 +131,20 @@ void append(const Source& s, const Value& value, CornerMesh& out) {
       if (whole[v] == ~0u) whole[v] = emit(v, s.normal[v], s.kind(t));
       indices[3 * t + k] = whole[v];
     }
+}
+
+template <class Value>
+void append(const Source& s, const Value& value, CornerMesh& out) {
+  const std::size_t first = out.indices.size();
+  out.vertices.reserve(out.vertices.size() + s.x.size() + s.x.size() / 4);
+  out.indices.resize(first + 3 * s.triangles.size());
+  const std::uint32_t* const indices = out.indices.data() + first;
+  const auto emit = [&](std::size_t v, const Vec3f& normal, Kind kind) {
+    const Vec3f& x = s.x[v];
+    out.vertices.push_back({{x.x(), x.y(), x.z()}, pack_normal(normal, kind), value(v, kind)});
+    return static_cast<std::uint32_t>(out.vertices.size() - 1);
+  };
+  split_corners(s, emit, out.indices.data() + first);
 
   bool finite = true;
   for (const Vec3f& x : s.x) finite = finite && x.allFinite();
@@ -172,7 +176,9 @@ std::uint32_t pack_normal(const Vec3f& normal, Kind kind) {
   return packed;
 }
 
-void append_surface(const SurfaceMesh& surface, const std::vector<float>& value, CornerMesh& out) {
+namespace {
+
+Source source_of(const SurfaceMesh& surface) {
   const std::size_t vertices = surface.x.size(), triangles = surface.triangles.size();
   const auto check = [](const char* name, std::size_t length, std::size_t want) {
     if (length != want)
@@ -182,20 +188,39 @@ void append_surface(const SurfaceMesh& surface, const std::vector<float>& value,
   check("damage", surface.damage.size(), vertices);
   check("crease", surface.crease.size(), vertices);
   check("interior", surface.interior.size(), triangles);
-  if (!value.empty()) check("coloring value", value.size(), vertices);
   check_triangles("surface", surface.triangles, vertices);
-
   Source source{
       {}, surface.triangles, surface.normal.data(), surface.crease.data(), surface.interior.data()};
   source.x.reserve(vertices);
   for (const Vec3& x : surface.x) source.x.push_back(x.cast<float>());
+  return source;
+}
+
+}  // namespace
+
+void append_surface(const SurfaceMesh& surface, const std::vector<float>& value, CornerMesh& out) {
+  if (!value.empty() && value.size() != surface.x.size())
+    throw Error("surface", fmt::format("coloring value has {} entries instead of {}", value.size(),
+                                       surface.x.size()));
   append(
-      source,
+      source_of(surface),
       [&](std::size_t v, Kind kind) {
         if (kind == Kind::crack) return surface.damage[v];
         return value.empty() ? 0.0f : value[v];
       },
       out);
+}
+
+SplitSurface split_surface(const SurfaceMesh& surface) {
+  SplitSurface out;
+  out.corner.resize(3 * surface.triangles.size());
+  const auto emit = [&](std::size_t v, const Vec3f& normal, Kind) {
+    out.vertex.push_back(static_cast<Index>(v));
+    out.normal.push_back(normal);
+    return static_cast<std::uint32_t>(out.vertex.size() - 1);
+  };
+  split_corners(source_of(surface), emit, out.corner.data());
+  return out;
 }
 
 void append_prop(const Prop& prop, CornerMesh& out) {

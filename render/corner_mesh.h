@@ -39,6 +39,17 @@ std::uint32_t pack_normal(const Vec3f& normal, Kind kind);
 /// indices do not fit.
 void append_surface(const SurfaceMesh& surface, const std::vector<float>& value, CornerMesh& out);
 
+/// A surface whose vertices are split where corners need normals of their own.
+struct SplitSurface {
+  std::vector<Index> vertex;          ///< of the surface that each split vertex comes from
+  std::vector<Vec3f> normal;          ///< of each split vertex
+  std::vector<std::uint32_t> corner;  ///< 3 split vertices per triangle, triangles in their order
+};
+
+/// The split that pictures use, for files that carry one normal a vertex. A split vertex never
+/// joins skin and crack faces. @throws Error when array lengths or indices do not fit.
+SplitSurface split_surface(const SurfaceMesh& surface);
+
 /// Appends a prop with sharp edges at the crease angle.
 void append_prop(const Prop& prop, CornerMesh& out);
 

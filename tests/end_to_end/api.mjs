@@ -42,11 +42,16 @@ test("play advances frames, pause stops them, step makes one", async () => {
   assert.equal(stepped.frame, paused.frame + 1);
 });
 
-test("every recorded frame comes as PNG and as PLY", async () => {
+test("every recorded frame comes as PNG and as a mesh in every format", async () => {
   const png = await server.get("/api/frames/1.png?w=320&h=180");
   assert.equal(Buffer.from(png.body).subarray(1, 4).toString(), "PNG");
   const ply = await server.get("/api/frames/1/mesh.ply");
   assert.ok(Buffer.from(ply.body).subarray(0, 200).toString().startsWith("ply\nformat binary_little_endian"));
+  for (const [format, start] of [["vtp", "<?xml"], ["obj", "# rend"], ["glb", "glTF"]]) {
+    const mesh = await server.get(`/api/frames/1/mesh.${format}`);
+    assert.ok(Buffer.from(mesh.body).toString("latin1").startsWith(start), format);
+  }
+  assert.equal((await server.get("/api/frames/1/mesh.stl")).status, 404);
   assert.equal((await server.get("/api/frames/99999.png")).status, 404);
 });
 

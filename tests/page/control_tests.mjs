@@ -197,6 +197,10 @@ test("downloads: picture, mesh and table", async () => {
     const mesh = await download(() => page.locator("#export-mesh").click());
     assert.equal(mesh.suggestedFilename(), "tear-0031.ply");
     await page.locator("#export-button").click();
+    await page.locator("#export-format").selectOption("glb");
+    const other = await download(() => page.locator("#export-mesh").click());
+    assert.equal(other.suggestedFilename(), "tear-0031.glb");
+    await page.locator("#export-button").click();
     const table = await download(() => page.locator("#export-table").click());
     const lines = (await readFile(await table.path(), "utf8")).trim().split("\n");
     assert.equal(lines.length, 33, "a head and frames 0 to 31");

@@ -137,7 +137,7 @@ async function answer_api(run, request, url, response) {
     response.writeHead(200, { "content-type": "image/png" });
     return response.end(picture(run, query, Number(png[1])));
   }
-  if (/^\/api\/frames\/\d+\/mesh\.ply$/.test(pathname))
+  if (/^\/api\/frames\/\d+\/mesh\.(ply|vtp|obj|glb)$/.test(pathname))
     return response.end("ply\nformat ascii 1.0\nend_header\n");
   if (what === "POST /api/meshes") {
     const body = await body_of(request),

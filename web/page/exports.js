@@ -21,9 +21,17 @@ export function watch_exports(session, playhead, picture, series, toast) {
     download(`/api/frames/${playhead.frame}.png?${query}`, `${stem()}.png`);
     toast(`Saving ${stem()}.png`);
   };
+  const format = find("#export-format");
+  format.addEventListener("change", () =>
+    set_text(
+      find("#export-mesh-note"),
+      `${format.value.toUpperCase()}, the torn surface in metres`,
+    ),
+  );
   const save_mesh = () => {
-    download(`/api/frames/${playhead.frame}/mesh.ply`, `${stem()}.ply`);
-    toast(`Saving ${stem()}.ply`);
+    const ending = format.value;
+    download(`/api/frames/${playhead.frame}/mesh.${ending}`, `${stem()}.${ending}`);
+    toast(`Saving ${stem()}.${ending}`);
   };
   const save_table = () => {
     const url = URL.createObjectURL(new Blob([series.csv()], { type: "text/csv" }));

@@ -1,0 +1,16 @@
+// Files and folders that are whole or not there.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace rend {
+
+/// Writes bytes under a temporary name and renames. @throws Error naming the file when the disk
+/// refuses.
+void write_file(const std::filesystem::path& file, const std::string& bytes);
+
+/// Makes a folder and those above it. @throws Error naming the folder when the disk refuses.
+void make_folder(const std::filesystem::path& folder);
+
+}  // namespace rend

@@ -5,6 +5,7 @@
 #include "app/frame_formats.h"
 #include "app/version.h"
 #include "engine/core/error.h"
+#include "engine/mpm/energy_balance.h"
 #include "web/assets.h"
 
 #include <fmt/format.h>
@@ -64,6 +65,9 @@ json state_json(const SessionState& s, const Session& session, const PictureServ
   out["pieces"] = newest->frame.fracture.pieces;
   out["yielded"] = r.yielded;
   out["damaged"] = r.damaged;
+  out["energy_drift"] = energy_drift(r);
+  const std::string warning = energy_warning(r);
+  out["energy_warning"] = warning.empty() ? json(nullptr) : json(warning);
   out["reason"] = r.status == Status::ok
                       ? json(nullptr)
                       : json{{"status", status_name(r.status)}, {"text", r.reason}, {"frame", r.frame}};
@@ -228,7 +232,14 @@ Response get_series(const ApiContext& context, const Request& request) {
     add("elastic_energy", r.elastic_energy);
     add("gravity_energy", r.gravity_energy);
     add("dissipated_energy", r.dissipated_energy);
+    add("friction_energy", r.friction_energy);
     add("external_work", r.external_work);
+    add("affine_energy", r.affine_energy);
+    add("transfer_loss", r.transfer_loss);
+    add("energy_drift", energy_drift(r));
+    add("momentum_x", r.momentum.x());
+    add("momentum_y", r.momentum.y());
+    add("momentum_z", r.momentum.z());
     add("broken_edges", recorded->frame.fracture.broken_edges);
     add("pieces", recorded->frame.fracture.pieces);
     add("sim_seconds", r.sim_seconds);

@@ -1,6 +1,8 @@
 // frames.csv.
 #include "app/frame_table.h"
 
+#include "engine/mpm/energy_balance.h"
+
 #include <fmt/format.h>
 
 #include <functional>
@@ -42,6 +44,10 @@ const std::vector<Column>& columns() {
       from_report("elastic_energy", [](const R& r) { return r.elastic_energy; }),
       from_report("gravity_energy", [](const R& r) { return r.gravity_energy; }),
       from_report("dissipated_energy", [](const R& r) { return r.dissipated_energy; }),
+      from_report("affine_energy", [](const R& r) { return r.affine_energy; }),
+      from_report("friction_energy", [](const R& r) { return r.friction_energy; }),
+      from_report("transfer_loss", [](const R& r) { return r.transfer_loss; }),
+      from_report("energy_drift", [](const R& r) { return energy_drift(r); }),
       from_report("external_work", [](const R& r) { return r.external_work; }),
       from_report("max_speed", [](const R& r) { return r.max_speed; }),
       from_report("yielded", [](const R& r) { return r.yielded; }),

@@ -4,6 +4,7 @@
 #include "app/progress.h"
 #include "app/record.h"
 #include "engine/core/error.h"
+#include "engine/mpm/energy_balance.h"
 
 #include <fmt/format.h>
 
@@ -41,6 +42,31 @@ std::vector<std::filesystem::path> recorded_files(const std::filesystem::path& r
   return files;
 }
 
+/// What became of the energy, and when the balance first left its bounds.
+class EnergyWatch {
+ public:
+  void see(const FrameReport& report) {
+    if (first_warned_ < 0 && !energy_warning(report).empty()) first_warned_ = report.frame;
+    last_ = report;
+  }
+  void tell() const {
+    const FrameReport& r = last_;
+    fmt::print(stderr,
+               "energy: kinetic {:.4g} J, elastic {:.4g} J, gravity {:.4g} J, dissipated {:.4g} J, friction {:.4g} J, "
+               "external work {:.4g} J, transfer loss {:.4g} J ({:.1f} % of the turnover)\n",
+               r.kinetic_energy + r.affine_energy, r.elastic_energy, r.gravity_energy, r.dissipated_energy,
+               r.friction_energy, r.external_work, r.transfer_loss, 100 * energy_drift(r));
+    const std::string warning = energy_warning(r);
+    if (!warning.empty()) fmt::print(stderr, "warning: {}\n", warning);
+    else if (first_warned_ >= 0)
+      fmt::print(stderr, "warning: the energy balance was out of bounds from frame {} on for a while; see energy_drift in frames.csv\n", first_warned_);
+  }
+
+ private:
+  Index first_warned_ = -1;
+  FrameReport last_;
+};
+
 }  // namespace
 
 int run_scene(const SceneDesc& scene, const RunOptions& options) {
@@ -51,13 +77,16 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   const Stage stage = make_stage(scene, *model);
   RunDirectory directory(options.output, stage, *model);
   const Clock::time_point start = Clock::now();
+  EnergyWatch energy;
   ProgressLine line("running");
   for (int n = 1; n <= frames; ++n) {
     const Frame frame = pipeline.advance();
     directory.write(frame);
     const FrameReport& report = frame.snapshot->report;
+    energy.see(report);
     if (report.status != Status::ok) {
       line.finish(fmt::format("stopped in frame {}: {}", n, report.reason));
+      energy.tell();
       return 4;
     }
     line.show(static_cast<double>(n) / frames,
@@ -65,6 +94,7 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   }
   line.finish(fmt::format("{} frames in {}, written to {}", frames, duration_text(seconds_since(start)),
                           options.output.out.string()));
+  energy.tell();
   return 0;
 }
 

@@ -15,7 +15,8 @@ struct Fault {
   bool tiny_step = false;  ///< too_fast because the stable step has all but vanished
 };
 
-/// One sentence with numbers and what to do, for a fault at `time` [s]; empty when there is none.
-std::string describe(const Fault& fault, Real time);
+/// One sentence with numbers and what to do, for a fault in step `step` of a frame (1 is the first)
+/// after `time` [s]; empty when there is none.
+std::string describe(const Fault& fault, Real time, Index step);
 
 }  // namespace rend

@@ -39,10 +39,10 @@ bool NodeLoads::meets(const Near& near, const Vec3& x) const {
 }
 
 Vec3 NodeLoads::apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v,
-                      Real& work) const {
+                      NodeWork& work) const {
   if (near.pull) {
     const Vec3 kick = dt / pulled_mass_ * falloff(x) * pull_.force;
-    work += mass * kick.dot(v + 0.5 * kick);
+    work.external += mass * kick.dot(v + 0.5 * kick);
     v += kick;
   }
   for (const PosedCollider* c : near.colliders) {
@@ -51,12 +51,15 @@ Vec3 NodeLoads::apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 
     const Vec3 wall = c->pose.velocity_at(x);
     const Vec3 after = wall + relative_velocity_after_contact(*c->desc, v - wall,
                                                               c->pose.rotation * distance.normal);
-    work += mass * (after - v).dot(wall);
+    const Vec3 impulse = mass * (after - v);
+    work.external += impulse.dot(wall);
+    // With the velocity after the step, as for the elastic energy: matter that is held loses none.
+    work.friction -= impulse.dot(after - wall);
     v = after;
   }
   if (near.rule) {
     const Vec3 after = rule_(x, time_, dt, v);
-    work += 0.5 * mass * (after - v).dot(after + v);
+    work.external += 0.5 * mass * (after - v).dot(after + v);
     v = after;
   }
   return v;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/mpm/collider_contact.h"
+#include "engine/mpm/energy_balance.h"
 #include "engine/mpm/solver.h"
 
 #include <vector>
@@ -39,7 +40,7 @@ class NodeLoads {
 
   /// Velocity of a node of mass m [kg] at x after pull, contact and rule; adds their work [J] to
   /// `work`.
-  Vec3 apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v, Real& work) const;
+  Vec3 apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v, NodeWork& work) const;
 
  private:
   std::vector<PosedCollider> colliders_;

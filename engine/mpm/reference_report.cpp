@@ -18,12 +18,13 @@ constexpr Index kGrain = 1024;
 constexpr const char* kKind = "reference";
 
 struct ReportSums {
-  Real mass = 0, kinetic = 0, elastic = 0, gravity = 0, max_speed = 0;
+  Real mass = 0, kinetic = 0, affine = 0, elastic = 0, gravity = 0, max_speed = 0;
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
   Index yielded = 0, damaged = 0;
   ReportSums& operator+=(const ReportSums& o) {
     mass += o.mass;
     kinetic += o.kinetic;
+    affine += o.affine;
     elastic += o.elastic;
     gravity += o.gravity;
     max_speed = std::max(max_speed, o.max_speed);
@@ -37,7 +38,7 @@ struct ReportSums {
 
 }  // namespace
 
-void ReferenceSolver::fill_report(FrameReport& report) const {
+void ReferenceSolver::measure_energy(FrameReport& report) const {
   const Real inertia = transfer_.inertia * dx_ * dx_;
   const ReportSums sums = ordered_sum(particles_.count(), kGrain, ReportSums(), [&](Index p) {
     const auto i = static_cast<std::size_t>(p);
@@ -50,6 +51,7 @@ void ReferenceSolver::fill_report(FrameReport& report) const {
     if (transfer_.carried.affine) {
       // sum_i w r x (C r) with sum_i w r r^T = D 1.
       const Mat3& C = particles_.C[i];
+      one.affine = 0.5 * m * inertia * C.squaredNorm();
       one.angular += m * inertia * Vec3(C(2, 1) - C(1, 2), C(0, 2) - C(2, 0), C(1, 0) - C(0, 1));
     }
     one.kinetic = 0.5 * m * v.squaredNorm();
@@ -68,20 +70,25 @@ void ReferenceSolver::fill_report(FrameReport& report) const {
                                                       particles_.F[i], one.damaged != 0);
     return one;
   });
-  report.frame = frame_;
-  report.time = time_;
   report.particles = particles_.count();
   report.mass = sums.mass;
   report.momentum = sums.momentum;
   report.angular_momentum = sums.angular;
   report.kinetic_energy = sums.kinetic;
+  report.affine_energy = sums.affine;
   report.elastic_energy = sums.elastic + mesh_.elastic_energy(materials_, particles_.x);
   report.gravity_energy = sums.gravity;
-  report.dissipated_energy = dissipated_;
-  report.external_work = external_work_;
+  report.dissipated_energy = balance_.dissipated;
   report.max_speed = sums.max_speed;
   report.yielded = sums.yielded;
   report.damaged = sums.damaged;
+}
+
+void ReferenceSolver::fill_report(FrameReport& report) {
+  report.frame = frame_;
+  report.time = time_;
+  measure_energy(report);
+  balance_.settle(report);
   report.state_hash = state_hash();
 }
 
@@ -130,8 +137,7 @@ void ReferenceSolver::save(std::ostream& out) const {
   StateWriter writer;
   writer.put(time_);
   writer.put(frame_);
-  writer.put(dissipated_);
-  writer.put(external_work_);
+  writer.put(balance_);
   writer.put(motion_);
   writer.put(gravity_);
   writer.put(pull_.at);
@@ -163,8 +169,7 @@ void ReferenceSolver::load(std::istream& in) {
   PullForce pull;
   reader.get(state.time);
   reader.get(frame);
-  reader.get(state.dissipated);
-  reader.get(state.external_work);
+  reader.get(state.balance);
   reader.get(state.motion);
   reader.get(gravity);
   reader.get(pull.at);

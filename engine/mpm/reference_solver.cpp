@@ -71,6 +71,8 @@ ReferenceSolver::ReferenceSolver(const SceneDesc& scene, const Model& model)
   first_node_.resize(count);
   measure_motion();
   fill_report(report_);
+  balance_.open(report_);
+  balance_.settle(report_);
 }
 
 // ---- one step
@@ -128,14 +130,14 @@ void ReferenceSolver::update_grid(Real dt) {
     }));
   const Real block_radius = 0.5 * std::sqrt(3.0) * (BlockGrid::kEdge - 1) * dx_;
 
-  external_work_ += ordered_sum(blocks, 8, 0.0, [&](Index b) {
+  balance_.nodes += ordered_sum(blocks, 8, NodeWork(), [&](Index b) {
     const GridNode* node = grid_.nodes(b);
     NodeVelocity* out = grid_.velocities(b);
     const Vec3 centre =
         0.5 * (grid_.position(b, 0, dx_) + grid_.position(b, BlockGrid::kNodes - 1, dx_));
     const NodeLoads::Near near = loads.near(centre, block_radius);
 
-    Real work = 0;
+    NodeWork work;
     for (int n = 0; n < BlockGrid::kNodes; ++n) {
       if (!(node[n].mass > 0)) {
         out[n] = {};
@@ -253,7 +255,7 @@ FrameReport ReferenceSolver::advance(Real duration, const BetweenSteps& between)
     const Real collider_speed = motion_.collider_speed;
     motion_ = sums.motion;
     motion_.collider_speed = collider_speed;
-    dissipated_ += sums.dissipation;
+    balance_.dissipated += sums.dissipation;
     report.clamped += sums.clamped;
     time_ = dt < end - time_ ? time_ + dt : end;
     report.dt_min = report.substeps == 0 ? dt : std::min(report.dt_min, dt);
@@ -271,7 +273,7 @@ FrameReport ReferenceSolver::advance(Real duration, const BetweenSteps& between)
     restore();
   else if (complete)
     ++frame_;
-  report.reason = rend::describe(fault, failed_at);
+  report.reason = rend::describe(fault, failed_at, report.substeps + 1);
   fill_report(report);
   report.sim_seconds =
       std::chrono::duration<Real>(std::chrono::steady_clock::now() - begin).count();
@@ -295,7 +297,7 @@ void ReferenceSolver::measure_motion() {
   StepSums all = sums;
   evaluate_mesh(all);
   motion_ = all.motion;
-  dissipated_ += all.dissipation;
+  balance_.dissipated += all.dissipation;
   for (const PosedCollider& c : pose_colliders(scene_.colliders, time_))
     motion_.collider_speed = std::max(motion_.collider_speed, fastest_point(c));
 }
@@ -324,22 +326,21 @@ Fault ReferenceSolver::first_bad_particle() const {
   return {};
 }
 
-void ReferenceSolver::remember() {
-  good_ = {particles_, mesh_.state(), time_, dissipated_, external_work_, motion_};
-}
+void ReferenceSolver::remember() { good_ = {particles_, mesh_.state(), time_, balance_, motion_}; }
 
 void ReferenceSolver::restore() {
   if (good_.particles.count() != particles_.count()) return;
   particles_ = good_.particles;
   mesh_.set_state(good_.mesh);
   time_ = good_.time;
-  dissipated_ = good_.dissipated;
-  external_work_ = good_.external_work;
+  balance_ = good_.balance;
   motion_ = good_.motion;
 }
 
 void ReferenceSolver::set_material(std::size_t index, const MaterialDesc& material) {
   const SolverMaterial old = materials_.at(index);
+  FrameReport before, after;
+  measure_energy(before);
   materials_[index] = SolverMaterial(material);
   const SolverMaterial& now = materials_[index];
   for (Index p = 0; p < particles_.count(); ++p) {
@@ -352,6 +353,16 @@ void ReferenceSolver::set_material(std::size_t index, const MaterialDesc& materi
   }
   mesh_.rescale_thresholds(materials_, index, old.tau_c0);
   measure_motion();
+  measure_energy(after);
+  balance_.rebase(before, after);
+}
+
+void ReferenceSolver::set_gravity(const Vec3& gravity) {
+  FrameReport before, after;
+  measure_energy(before);
+  gravity_ = gravity;
+  measure_energy(after);
+  balance_.rebase(before, after);
 }
 
 std::string ReferenceSolver::describe() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/mpm/block_grid.h"
+#include "engine/mpm/energy_balance.h"
 #include "engine/mpm/fault.h"
 #include "engine/mpm/grid_transfer.h"
 #include "engine/mpm/mesh_force.h"
@@ -25,7 +26,7 @@ class ReferenceSolver : public Solver {
   Real time() const override { return time_; }
   Snapshot snapshot() const override;
   void set_material(std::size_t index, const MaterialDesc& material) override;
-  void set_gravity(const Vec3& gravity) override { gravity_ = gravity; }
+  void set_gravity(const Vec3& gravity) override;
   void set_pull(const PullForce& pull) override { pull_ = pull; }
   void set_node_rule(NodeRule rule) override { node_rule_ = std::move(rule); }
   void save(std::ostream& out) const override;
@@ -52,7 +53,7 @@ class ReferenceSolver : public Solver {
     Particles particles;
     MeshState mesh;
     Real time = 0;
-    Real dissipated = 0, external_work = 0;
+    EnergyBalance balance;
     MotionExtremes motion;
   };
 
@@ -72,7 +73,8 @@ class ReferenceSolver : public Solver {
   Fault first_bad_particle() const;
   void remember();
   void restore();
-  void fill_report(FrameReport& report) const;
+  void measure_energy(FrameReport& report) const;
+  void fill_report(FrameReport& report);
   std::uint64_t state_hash() const;
 
   SceneDesc scene_;
@@ -90,7 +92,7 @@ class ReferenceSolver : public Solver {
   PullForce pull_;
   NodeRule node_rule_;
   Real time_ = 0;
-  Real dissipated_ = 0, external_work_ = 0;
+  EnergyBalance balance_;
   MotionExtremes motion_;
   Index frame_ = 0;
   FrameReport report_;

@@ -25,8 +25,12 @@ struct FrameReport {
   Vec3 momentum = Vec3::Zero();
   Vec3 angular_momentum = Vec3::Zero();  ///< about the world origin, with the APIC part
   Real kinetic_energy = 0, elastic_energy = 0, gravity_energy = 0;
+  Real affine_energy = 0;      ///< kinetic energy of the affine velocities, sum of m D |C_p|^2 / 2
   Real dissipated_energy = 0;  ///< plastic work and energy let go by damage, since the start
-  Real external_work = 0;      ///< by colliders and controls, since the start
+  Real friction_energy = 0;    ///< let go by friction on colliders, since the start
+  Real external_work = 0;      ///< by colliders and the pull tool, since the start
+  Real transfer_loss = 0;      ///< remainder of the sheet, see EnergyBalance; negative is a gain
+  Real energy_turnover = 0;    ///< what transfer_loss is to be compared with, see EnergyBalance
   Real max_speed = 0;
   Index yielded = 0;  ///< particles that have ever yielded
   Index damaged = 0;

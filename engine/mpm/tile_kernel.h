@@ -61,10 +61,11 @@ struct ParticleRun {
 
 /// What a run reports after a pass.
 struct RunExtremes {
-  float speed2 = 0;        ///< max |v|^2 [cells^2/s^2]
-  float gradient2 = 0;     ///< max |C|_F^2 [1/s^2]
-  float least_stress = 0;  ///< min principal Kirchhoff stress, at most 0 [Pa]
-  float dissipation = 0;   ///< let go in this step [Pa cells^3]
+  float speed2 = 0;          ///< max |v|^2 [cells^2/s^2]
+  float gradient2 = 0;       ///< max |C|_F^2 [1/s^2]
+  float least_stress = 0;    ///< min principal Kirchhoff stress, at most 0 [Pa]
+  float dissipation = 0;     ///< let go in this step [Pa cells^3]
+  std::int32_t clamped = 0;  ///< particles whose stretch was raised to kSmallestStretch
   bool finite = true;
 };
 

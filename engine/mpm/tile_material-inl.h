@@ -121,7 +121,7 @@ template <class Law, class Damage>
 HWY_NOINLINE void respond_batch(const MaterialConstants& material, const TileLayout& layout,
                                 float* tiles, int tile_count, Work& work, RunExtremes& extremes) {
   const LawConstants<Lanes> k = convert_constants<Lanes>(material.law);
-  Lanes least_stress(0.0f), dissipation(0.0f);
+  Lanes least_stress(0.0f), dissipation(0.0f), clamped(0.0f);
   for (int t = 0; t < tile_count; ++t) {
     float* tile = tiles + std::size_t(t) * layout.floats();
     Lanes e[6], stress[6];
@@ -142,6 +142,8 @@ HWY_NOINLINE void respond_batch(const MaterialConstants& material, const TileLay
       spectrum.strain(response.eps, admissible);
       for (int i = 0; i < 6; ++i)
         store(select(changed, admissible[i], e[i]), tile + (TileLayout::kStrain + i) * kLanes);
+      const LaneMask real = abs(load(tile + TileLayout::kVolume * kLanes)) > Lanes(0.0f);
+      clamped += select(spectrum.clamped & real, Lanes(1.0f), Lanes(0.0f));
       if constexpr (Law::kThreshold >= 0) {
         store(response.tau_c, tile + layout.tau_c * kLanes);
         float* volume = tile + TileLayout::kVolume * kLanes;
@@ -154,6 +156,7 @@ HWY_NOINLINE void respond_batch(const MaterialConstants& material, const TileLay
   const float least = -max_of_lanes(Lanes(0.0f) - least_stress);
   if (least < extremes.least_stress) extremes.least_stress = least;
   if constexpr (Law::kThreshold >= 0) extremes.dissipation += sum_of_lanes(dissipation);
+  extremes.clamped += int(sum_of_lanes(clamped));
 }
 
 HWY_INLINE bool can_be_damaged(const MaterialConstants& material) {

@@ -21,13 +21,14 @@ namespace {
 constexpr Real kVolumeUnit = 0x1p-44;
 
 struct ReportSums {
-  Real kinetic = 0, elastic = 0, gravity = 0, max_speed2 = 0;
+  Real kinetic = 0, affine = 0, elastic = 0, gravity = 0, max_speed2 = 0;
   std::vector<std::int64_t> volume;  // of each material, in units
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
   Index yielded = 0, damaged = 0;
   ReportSums& operator+=(const ReportSums& o) {
     for (std::size_t m = 0; m < o.volume.size(); ++m) volume[m] += o.volume[m];
     kinetic += o.kinetic;
+    affine += o.affine;
     elastic += o.elastic;
     gravity += o.gravity;
     max_speed2 = std::max(max_speed2, o.max_speed2);
@@ -150,7 +151,7 @@ void TileSolver::measure(const TileRun& run, std::vector<float>& energy,
   }
 }
 
-void TileSolver::fill_report(FrameReport& report) const {
+void TileSolver::measure_energy(FrameReport& report) const {
   const Real cell_volume = dx_ * dx_ * dx_;
   ReportSums none;
   none.volume.resize(materials_.size());
@@ -173,10 +174,13 @@ void TileSolver::fill_report(FrameReport& report) const {
             sum.volume[run.material] += std::llround(p.volume() / kVolumeUnit);
             one.momentum = m * v;
             one.angular = m * x.cross(v);
-            if (scene_.solver.transfer !=
-                Transfer::pic)  // sum_i w r x (C r), sum_i w r r^T = dx^2/4
-              one.angular +=
-                  m * 0.25 * dx_ * dx_ * Vec3(p.C(7) - p.C(5), p.C(2) - p.C(6), p.C(3) - p.C(1));
+            if (scene_.solver.transfer != Transfer::pic) {
+              // sum_i w r x (C r), sum_i w r r^T = dx^2/4.
+              const Real inertia = m * 0.25 * dx_ * dx_;
+              one.angular += inertia * Vec3(p.C(7) - p.C(5), p.C(2) - p.C(6), p.C(3) - p.C(1));
+              for (int k = 0; k < 9; ++k)
+                one.affine += 0.5 * inertia * static_cast<Real>(p.C(k)) * p.C(k);
+            }
             one.kinetic = 0.5 * m * v.squaredNorm();
             one.gravity = -m * gravity_.dot(x);
             one.elastic = volume * energy[static_cast<std::size_t>(i)];
@@ -188,8 +192,6 @@ void TileSolver::fill_report(FrameReport& report) const {
         }
         return sum;
       });
-  report.frame = frame_;
-  report.time = time_;
   report.particles = store_.particle_count();
   report.mass = 0;
   for (std::size_t m = 0; m < materials_.size(); ++m)
@@ -198,13 +200,20 @@ void TileSolver::fill_report(FrameReport& report) const {
   report.momentum = sums.momentum;
   report.angular_momentum = sums.angular;
   report.kinetic_energy = sums.kinetic;
+  report.affine_energy = sums.affine;
   report.elastic_energy = sums.elastic;
   report.gravity_energy = sums.gravity;
-  report.dissipated_energy = dissipated_;
-  report.external_work = external_work_;
+  report.dissipated_energy = balance_.dissipated;
   report.max_speed = std::sqrt(sums.max_speed2);
   report.yielded = sums.yielded;
   report.damaged = sums.damaged;
+}
+
+void TileSolver::fill_report(FrameReport& report) {
+  report.frame = frame_;
+  report.time = time_;
+  measure_energy(report);
+  balance_.settle(report);
   report.state_hash = state_hash();
 }
 
@@ -266,6 +275,22 @@ Index TileSolver::suspect() const {
   return found;
 }
 
+Index TileSolver::first_bad_particle() const {
+  Index found = -1;
+  for (const TileBlock& block : store_.blocks())
+    for (int r = 0; r < block.run_count; ++r) {
+      const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
+      for (int i = 0; i < run.count; ++i) {
+        const Lane p = lane(run, i);
+        float sum = 0;
+        for (int g = 0; g < store_.layout().groups; ++g) sum += p.tile[g * kLanes];
+        for (int g = 0; g < 12; ++g) sum += p.motion[g * kLanes];
+        if (!std::isfinite(sum) && (found < 0 || p.id < found)) found = p.id;
+      }
+    }
+  return found;
+}
+
 Fault TileSolver::farthest_block() const {
   for (const TileBlock& block : store_.blocks())
     if (block.coord.cwiseAbs().maxCoeff() > TileStore::kLimit - 2)
@@ -313,7 +338,7 @@ void TileSolver::measure_motion() {
       });
   motion_ = sums.motion;
   motion_.collider_speed = NodeLoads(scene_.colliders, pull_, time_).collider_speed();
-  dissipated_ += sums.dissipation * dx_ * dx_ * dx_;
+  balance_.dissipated += sums.dissipation * dx_ * dx_ * dx_;
 }
 
 std::string TileSolver::describe() const {

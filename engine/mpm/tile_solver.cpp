@@ -62,6 +62,8 @@ TileSolver::TileSolver(const SceneDesc& scene, const Model& model, const TileKer
   place(model);
   measure_motion();
   fill_report(report_);
+  balance_.open(report_);
+  balance_.settle(report_);
 }
 
 MaterialConstants TileSolver::constants_of(const MaterialDesc& material) const {
@@ -226,7 +228,8 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
     const Real collider_speed = motion_.collider_speed;
     motion_ = sums.motion;
     motion_.collider_speed = collider_speed;
-    dissipated_ += sums.dissipation * dx_ * dx_ * dx_;
+    balance_.dissipated += sums.dissipation * dx_ * dx_ * dx_;
+    report.clamped += sums.clamped;
     time_ = after;
     report.dt_min = report.substeps == 0 ? dt : std::min(report.dt_min, dt);
     report.dt_max = std::max(report.dt_max, dt);
@@ -263,13 +266,16 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
     if (fault.status != Status::ok && !stopped_) --frame_;
   }
   if (fault.status != Status::ok) {
-    if (fault.particle < 0 && !fault.tiny_step) fault.particle = suspect();
+    const Index suspected = fault.particle < 0 && !fault.tiny_step ? suspect() : fault.particle;
     restore(good_);
+    // A value that was bad before the frame has spread by now.
+    const Index bad = fault.status == Status::not_finite ? first_bad_particle() : -1;
+    fault.particle = bad >= 0 ? bad : suspected;
     fill_report(report);
   }
   report.status = fault.status;
   report.culprit = fault.particle;
-  report.reason = rend::describe(fault, stopped_at);
+  report.reason = rend::describe(fault, stopped_at, report.substeps + 1);
   report.sim_seconds =
       std::chrono::duration<Real>(std::chrono::steady_clock::now() - clock).count();
   report_ = report;

@@ -1,6 +1,7 @@
 // The fast solver: explicit MPM in float, vectorised, one pass over the particles a step.
 #pragma once
 
+#include "engine/mpm/energy_balance.h"
 #include "engine/mpm/fault.h"
 #include "engine/mpm/solver.h"
 #include "engine/mpm/tile_grid.h"
@@ -40,7 +41,7 @@ class TileSolver : public Solver {
   Real time() const override { return time_; }
   Snapshot snapshot() const override;
   void set_material(std::size_t index, const MaterialDesc& material) override;
-  void set_gravity(const Vec3& gravity) override { gravity_ = gravity; }
+  void set_gravity(const Vec3& gravity) override;
   void set_pull(const PullForce& pull) override { pull_ = pull; }
   void set_node_rule(NodeRule rule) override { node_rule_ = std::move(rule); }
   void save(std::ostream& out) const override;
@@ -69,6 +70,7 @@ class TileSolver : public Solver {
   struct StepSums {
     MotionExtremes motion;
     Real dissipation = 0;
+    Index clamped = 0;
     float excess = 0;
     bool finite = true;
     StepSums& operator+=(const StepSums& other);
@@ -77,7 +79,8 @@ class TileSolver : public Solver {
   struct State {
     TileStore::State store;
     std::vector<float> motion;
-    Real time = 0, dissipated = 0, external_work = 0;
+    Real time = 0;
+    EnergyBalance balance;
     MotionExtremes extremes;
     float excess = 0;
   };
@@ -102,10 +105,13 @@ class TileSolver : public Solver {
   void add_groups(const TileLayout& needed);
   /// The particle that most likely made a step fail: not finite, or farthest beyond its block.
   Index suspect() const;
+  /// A particle with a value that is not finite; -1 when there is none.
+  Index first_bad_particle() const;
   Fault farthest_block() const;
   State state() const;
   void restore(const State& state);
-  void fill_report(FrameReport& report) const;
+  void measure_energy(FrameReport& report) const;
+  void fill_report(FrameReport& report);
   std::uint64_t state_hash() const;
   bool is_damaged(std::size_t material, float tau_c) const;
   Real tau_c0(std::size_t material, Index id) const;
@@ -144,7 +150,8 @@ class TileSolver : public Solver {
   Vec3 gravity_;
   PullForce pull_;
   NodeRule node_rule_;
-  Real time_ = 0, dissipated_ = 0, external_work_ = 0;
+  Real time_ = 0;
+  EnergyBalance balance_;
   Index frame_ = 0;
   FrameReport report_;
   State good_;

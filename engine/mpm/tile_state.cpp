@@ -35,6 +35,8 @@ void TileSolver::add_groups(const TileLayout& needed) {
 }
 
 void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
+  FrameReport energy_before, energy_after;
+  measure_energy(energy_before);
   const Real before = initial_threshold(materials_.at(index).desc.yield_surface);
   materials_[index] = {material, constants_of(material)};
   const Real now = initial_threshold(material.yield_surface);
@@ -58,6 +60,16 @@ void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
       }
     }
   measure_motion();
+  measure_energy(energy_after);
+  balance_.rebase(energy_before, energy_after);
+}
+
+void TileSolver::set_gravity(const Vec3& gravity) {
+  FrameReport before, after;
+  measure_energy(before);
+  gravity_ = gravity;
+  measure_energy(after);
+  balance_.rebase(before, after);
 }
 
 TileSolver::State TileSolver::state() const {
@@ -65,8 +77,7 @@ TileSolver::State TileSolver::state() const {
   s.store = store_.state();
   s.motion.assign(motion(), motion() + std::size_t(store_.tile_count()) * kMotionFloats);
   s.time = time_;
-  s.dissipated = dissipated_;
-  s.external_work = external_work_;
+  s.balance = balance_;
   s.extremes = motion_;
   s.excess = excess_;
   return s;
@@ -78,8 +89,7 @@ void TileSolver::restore(const State& s) {
   spare_.reserve(std::max(s.motion.size(), s.store.tiles.size()));
   std::copy(s.motion.begin(), s.motion.end(), motion());
   time_ = s.time;
-  dissipated_ = s.dissipated;
-  external_work_ = s.external_work;
+  balance_ = s.balance;
   motion_ = s.extremes;
   excess_ = s.excess;
   update_topology();
@@ -90,8 +100,7 @@ void TileSolver::save(std::ostream& out) const {
   const State s = state();
   writer.put(s.time);
   writer.put(frame_);
-  writer.put(s.dissipated);
-  writer.put(s.external_work);
+  writer.put(s.balance);
   writer.put(s.extremes);
   writer.put(s.excess);
   writer.put(gravity_);
@@ -116,8 +125,7 @@ void TileSolver::load(std::istream& in) {
   PullForce pull;
   reader.get(s.time);
   reader.get(frame);
-  reader.get(s.dissipated);
-  reader.get(s.external_work);
+  reader.get(s.balance);
   reader.get(s.extremes);
   reader.get(s.excess);
   reader.get(gravity);

@@ -12,6 +12,7 @@ namespace rend {
 TileSolver::StepSums& TileSolver::StepSums::operator+=(const StepSums& other) {
   motion += other.motion;
   dissipation += other.dissipation;
+  clamped += other.clamped;
   excess = std::max(excess, other.excess);
   finite = finite && other.finite;
   return *this;
@@ -90,6 +91,7 @@ TileSolver::StepSums TileSolver::sums_of(std::uint16_t material,
   sums.motion.speed = dx_ * (std::sqrt(static_cast<Real>(extremes.speed2)) +
                              (affine ? std::sqrt(3.0) * sums.motion.gradient : 0));
   sums.dissipation = extremes.dissipation;
+  sums.clamped = extremes.clamped;
   sums.finite = extremes.finite;
   return sums;
 }
@@ -165,7 +167,7 @@ Real TileSolver::grid_pass(Real dt) {
     }));
   const Real radius = 1.5 * std::sqrt(3.0) * dx_;
   struct Loaded {
-    Real work = 0;
+    NodeWork work;
     Fastest fastest;
     Loaded& operator+=(const Loaded& other) {
       work += other.work;
@@ -188,7 +190,7 @@ Real TileSolver::grid_pass(Real dt) {
     });
     return out;
   });
-  external_work_ += loaded.work;
+  balance_.nodes += loaded.work;
   fastest += loaded.fastest;
   return fastest.finite ? fastest.speed : std::nan("");
 }

@@ -80,7 +80,7 @@ void StateReader::fail(const std::string& why) { throw Error("state", why); }
 
 void StateReader::take(void* to, std::size_t size) {
   if (size > bytes_.size() - at_) fail("it ends too early");
-  std::memcpy(to, bytes_.data() + at_, size);
+  if (size != 0) std::memcpy(to, bytes_.data() + at_, size);  // an empty array has no address
   at_ += size;
 }
 

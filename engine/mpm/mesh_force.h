@@ -1,9 +1,7 @@
 // Lagrangian energy: forces of a tet mesh whose vertices are the particles.
 #pragma once
 
-#include "engine/mpm/solver_material.h"
-#include "engine/scene/model.h"
-#include "engine/scene/scene_desc.h"
+#include "engine/mpm/mesh_elements.h"
 
 #include <vector>
 
@@ -26,11 +24,9 @@ class MeshForce {
   MeshForce(const SceneDesc& scene, const Model& model,
             const std::vector<SolverMaterial>& materials);
 
-  bool empty() const { return elements_.empty(); }
+  bool empty() const { return mesh_.empty(); }
   /// Whether the energy of this particle is on the mesh.
-  bool carries(Index particle) const {
-    return !on_mesh_.empty() && on_mesh_[static_cast<std::size_t>(particle)] != 0;
-  }
+  bool carries(Index particle) const { return mesh_.carries(particle); }
 
   /// What one evaluation adds up.
   struct Sums {
@@ -40,22 +36,14 @@ class MeshForce {
     Sums& operator+=(const Sums& other);
   };
 
-  /// Return mapping of every element at positions x, then f_q = -sum_e V_e P_e grad N_q [N] with
-  /// P_e = tau F_E^-T F_p^-T. A damaged element that is flat or inverted carries nothing. The rate
-  /// bounds the element eigenvalue at the current shape, 4 |sum_q g_q g_q^T| (stiffness / rho); the
-  /// grid never raises it, since weights are convex.
+  /// Return mapping of every element at positions x, then f_q = -sum_e V_e P_e grad N_q [N]; see
+  /// update_element. The grid never raises the rate, since weights are convex.
   Sums evaluate(const std::vector<SolverMaterial>& materials, const std::vector<Vec3>& x,
                 std::vector<Vec3>& force);
 
   Real elastic_energy(const std::vector<SolverMaterial>& materials,
                       const std::vector<Vec3>& x) const;
 
-  /// Extremes over the elements at each vertex.
-  struct VertexState {
-    float damage = 0;  ///< 1 - tau_c / tau_c0, 1 when damaged
-    float stress = 0;  ///< largest principal Kirchhoff stress [Pa]
-    bool yielded = false, damaged = false;
-  };
   VertexState at_vertex(const std::vector<SolverMaterial>& materials, Index particle) const;
 
   /// Scales thresholds of a material from tau_c0 = `before` to its present one.
@@ -64,31 +52,16 @@ class MeshForce {
 
   const MeshState& state() const { return state_; }
   void set_state(MeshState state) { state_ = std::move(state); }
-  std::size_t element_count() const { return elements_.size(); }
+  std::size_t element_count() const { return mesh_.elements.size(); }
   double bytes() const;
 
  private:
-  struct Element {
-    Tet corner;
-    Mat3 rest_inverse;  // D_m^-1
-    Real volume;
-    Real lightness;  // least share of lumped mass that a vertex really has
-    Real strength;
-    std::uint16_t material;
-  };
-
   Real tau_c0(const std::vector<SolverMaterial>& materials, std::size_t e) const {
-    return materials[elements_[e].material].tau_c0 * elements_[e].strength;
+    return materials[mesh_.elements[e].material].tau_c0 * mesh_.elements[e].strength;
   }
-  bool is_damaged(const std::vector<SolverMaterial>& materials, std::size_t e) const;
-  Sums evaluate_element(const std::vector<SolverMaterial>& materials, const std::vector<Vec3>& x,
-                        std::size_t e);
 
-  std::vector<Element> elements_;
-  std::vector<std::uint8_t> on_mesh_;  // per particle
-  std::vector<Index> first_use_;       // per particle + 1, into uses_
-  std::vector<Index> uses_;            // 4 * element + corner, ascending
-  std::vector<Mat3> pull_;             // per element: forces on corners 1, 2, 3 as columns [N]
+  MeshElements mesh_;
+  std::vector<Mat3> pull_;  // per element: forces on corners 1, 2, 3 as columns [N]
   MeshState state_;
 };
 

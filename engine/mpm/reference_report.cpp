@@ -58,7 +58,7 @@ void ReferenceSolver::measure_energy(FrameReport& report) const {
     one.gravity = -m * gravity_.dot(x);
     one.max_speed = v.norm();
     if (mesh_.carries(p)) {
-      const MeshForce::VertexState state = mesh_.at_vertex(materials_, p);
+      const VertexState state = mesh_.at_vertex(materials_, p);
       one.damaged = state.damaged;
       one.yielded = state.yielded;
       return one;
@@ -118,7 +118,7 @@ Snapshot ReferenceSolver::snapshot() const {
     const auto i = static_cast<std::size_t>(p);
     out.v[i] = particles_.v[i].cast<float>();
     if (mesh_.carries(p)) {
-      const MeshForce::VertexState state = mesh_.at_vertex(materials_, p);
+      const VertexState state = mesh_.at_vertex(materials_, p);
       out.damage[i] = state.damage;
       out.stress[i] = state.stress;
       out.yielded[i] = state.yielded;

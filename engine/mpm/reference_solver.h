@@ -35,6 +35,7 @@ class ReferenceSolver : public Solver {
   double bytes_per_particle() const override;
 
   const Particles& particles() const { return particles_; }
+  const MeshState& mesh_state() const { return mesh_.state(); }
   /// Largest step that the rule of time_step.h allows now [s].
   Real stable_time_step() const;
 

@@ -10,6 +10,7 @@
 #include "hwy/foreach_target.h"
 
 #include "engine/mpm/tile_lone-inl.h"
+#include "engine/mpm/tile_mesh-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rend {
@@ -23,11 +24,14 @@ const TileKernels* kernels_of_target() {
       HWY_MAX_BYTES >= 64   ? "avx512"
       : HWY_MAX_BYTES == 32 ? "avx2"
                             : "sse4",
-      {particle_block<Pass::scatter>, particle_block<Pass::fused>, particle_block<Pass::gather>},
+      {particle_block<Pass::scatter>, particle_block<Pass::fused>, particle_block<Pass::gather>,
+       particle_block<Pass::mesh_scatter>, particle_block<Pass::mesh_gather>},
       {lone_run<Pass::scatter>, lone_run<Pass::fused>, lone_run<Pass::gather>},
       grid_block,
       respond_tiles,
-      measure_tiles};
+      measure_tiles,
+      respond_elements,
+      measure_elements};
   return &kernels;
 #endif
 }

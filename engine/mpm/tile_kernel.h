@@ -36,9 +36,10 @@ struct TileLayout {
 /// One material as the kernels read it.
 struct MaterialConstants {
   LawConstants<float> law;
-  float density = 1;  ///< relative to the reference density
-  float tau_c0 = 1;   ///< [Pa], unless the layout has one per particle
-  int response = 0;   ///< index into the table of laws: 3 * yield surface + damage
+  float density = 1;     ///< relative to the reference density
+  float tau_c0 = 1;      ///< [Pa], unless the layout has one per particle
+  int response = 0;      ///< index into the table of laws: 3 * yield surface + damage
+  bool on_mesh = false;  ///< vertices of elements: no strain of their own, see TileMesh
 };
 
 /// Numbers of one step.
@@ -107,14 +108,41 @@ struct GridTask {
   float max_speed = 0;                    ///< out: largest velocity component [cells/s]
 };
 
-/// The three passes over particles: scatter stored motion; gather, respond and scatter; gather,
-/// respond and store.
-enum class Pass { scatter, fused, gather };
+/// The passes over particles: scatter stored motion; gather, respond and scatter; gather, respond
+/// and store. The last two are for blocks with vertices of elements, whose forces come in between.
+enum class Pass { scatter, fused, gather, mesh_scatter, mesh_gather };
+
+/// Where the attributes of sixteen elements lie in an element tile, in groups of sixteen floats.
+struct ElementLayout {
+  static constexpr int kMap = 0;      ///< B, the inverse of a reference shape, row major [1/cells]
+  static constexpr int kPlastic = 9;  ///< C_p^-1 - I with b^e = (D B) C_p^-1 (D B)^T
+  static constexpr int kVolume = 15;  ///< at rest [cells^3], negative once yielded, 0 in pad lanes
+  static constexpr int kTauC = 16;    ///< state of the material law, see material_response
+  static constexpr int kTauC0 = 17;
+  static constexpr int kLightness = 18;  ///< see MeshElement
+  static constexpr int kGroups = 19;
+  static constexpr int kFloats = kGroups * kLanes;
+  static constexpr int kCorners = 4 * kLanes;  ///< corner 0 of all sixteen, then corner 1, ...
+  static constexpr int kPull = 9;  ///< per element: forces on corners 1, 2, 3 [Pa cells^2]
+};
+
+/// Up to four element tiles of one material.
+struct ElementTask {
+  const MaterialConstants* material = nullptr;
+  const double* x = nullptr;  ///< positions by particle id [cells]
+  const std::int32_t* corners = nullptr;
+  float* tiles = nullptr;
+  std::int32_t count = 0;  ///< elements, at most 64
+  float* pull = nullptr;   ///< out
+  float shape2 = 0;        ///< out: max of |sum_q g_q g_q^T| / lightness [1/cells^2]
+  RunExtremes extremes;    ///< out
+  std::uint64_t left = 0;  ///< out: flat or inverted elements, left to the caller
+};
 
 /// The kernels of one instruction set.
 struct TileKernels {
   const char* name;  ///< "avx512", "avx2" or "sse4"
-  void (*particles[3])(const StepConstants&, BlockTask&);
+  void (*particles[5])(const StepConstants&, BlockTask&);
   /// The same passes for particles that share no node with others; gain is dt g [cells/s].
   void (*lone[3])(const StepConstants&, const ParticleRun&, const float* gain, RunExtremes&);
   void (*grid)(GridTask&);
@@ -124,6 +152,10 @@ struct TileKernels {
   /// Elastic energy density and largest principal stress [Pa] of `tiles` tiles of one material.
   void (*measure)(const TileLayout&, const MaterialConstants&, const float* tile, int tiles,
                   float* energy, float* stress);
+  /// Return mapping of elements and the forces on their corners.
+  void (*elements)(ElementTask&);
+  /// Energy density and largest principal stress [Pa] of the same elements, as they are.
+  void (*measure_elements)(ElementTask&, float* energy, float* stress);
 };
 
 /// Kernels of the best instruction set of this CPU, or of the one that the environment variable

@@ -26,8 +26,9 @@ struct Occupied {
 
 }  // namespace
 
-std::vector<std::uint8_t> find_lone_blocks(const TileStore& store, Real reach,
-                                           const std::function<bool(const Vec3&)>& clear) {
+std::vector<std::uint8_t> find_lone_blocks(
+    const TileStore& store, Real reach,
+    const std::function<bool(const Vec3&, const TileRun&)>& clear) {
   const std::vector<TileBlock>& blocks = store.blocks();
   std::vector<std::uint8_t> flags(blocks.size(), 0);
   const auto single =
@@ -60,7 +61,9 @@ std::vector<std::uint8_t> find_lone_blocks(const TileStore& store, Real reach,
   const Real apart = kStencil + 2 * reach;
   parallel_for(static_cast<Index>(occupied.size()), 256, [&](Index n) {
     const Occupied& o = occupied[static_cast<std::size_t>(n)];
-    if (o.home < 0 || !clear(o.low)) return;
+    if (o.home < 0) return;
+    const TileBlock& home = blocks[static_cast<std::size_t>(o.home)];
+    if (!clear(o.low, store.runs()[static_cast<std::size_t>(home.first_run)])) return;
     for (int k = 0; k < 125; ++k) {
       if (k == 62) continue;
       const Vec3i coord = o.coord + Vec3i(k / 25 - 2, k / 5 % 5 - 2, k % 5 - 2);

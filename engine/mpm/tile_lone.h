@@ -11,9 +11,10 @@ namespace rend {
 
 /// Flags blocks that hold one particle which shares no node with another one, even after both have
 /// moved `reach` cells; `reach` <= 2. Debris that is too sparse to pay is left alone, and so is
-/// every particle for which clear(position in cells) is false.
-std::vector<std::uint8_t> find_lone_blocks(const TileStore& store, Real reach,
-                                           const std::function<bool(const Vec3&)>& clear);
+/// every particle for which clear(position in cells, its run) is false.
+std::vector<std::uint8_t> find_lone_blocks(
+    const TileStore& store, Real reach,
+    const std::function<bool(const Vec3&, const TileRun&)>& clear);
 
 /// Copies of the store's lone particles, packed.
 class LoneTiles {

@@ -97,6 +97,12 @@ HWY_INLINE void push_strain(Lanes dt, const Lanes* C, float* tile) {
 
 inline constexpr float kNoExcess = -8;
 
+constexpr bool gathers(Pass pass) { return pass != Pass::scatter && pass != Pass::mesh_scatter; }
+constexpr bool scatters(Pass pass) { return pass != Pass::gather && pass != Pass::mesh_gather; }
+constexpr bool meets_mesh(Pass pass) {
+  return pass == Pass::mesh_scatter || pass == Pass::mesh_gather;
+}
+
 /// Extremes that a pass collects, lane by lane.
 struct LaneExtremes {
   Lanes excess, speed2, gradient2;
@@ -132,25 +138,43 @@ HWY_INLINE void store_carried(const StepConstants& step, const Lanes* C, float* 
       store(mul_add(swap, C[3 * b + a], keep * C[3 * a + b]), motion + (3 + 3 * a + b) * kLanes);
 }
 
+/// The position of vertices of elements is kept to twice the digits, high + low with low where
+/// others keep their strain: elements see differences of positions, again and again.
+HWY_INLINE void move_vertices(Lanes dt, const Lanes* v, float* tile) {
+  for (int a = 0; a < 3; ++a) {
+    float* high = tile + (TileLayout::kPosition + a) * kLanes;
+    float* low = tile + (TileLayout::kStrain + a) * kLanes;
+    const Lanes before = load(high), step = mul_add(dt, v[a], load(low));
+    const Lanes after = before + step;
+    store(after, high);
+    store(step - (after - before), low);
+  }
+}
+
 /// After the gather: moves the particles, pushes the strain forward, keeps v and C in work.
 template <Pass kPass>
-HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, float* tile,
-                          float* motion, int t, Work& work, LaneExtremes& extremes) {
+HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, bool on_mesh,
+                          float* tile, float* motion, int t, Work& work, LaneExtremes& extremes) {
   Lanes v[4], G[3][4], x[3], offset[3], C[9];
   transpose_gathered(work.gathered[t], v, G);
   for (int a = 0; a < 3; ++a) offset[a] = load(work.offset[t][a]);
   for (int b = 0; b < 3; ++b)
     for (int a = 0; a < 3; ++a) C[3 * a + b] = Lanes(4.0f) * neg_mul_add(offset[b], v[a], G[b][a]);
   const Lanes dt(step.dt);
+  if (meets_mesh(kPass) && on_mesh) move_vertices(dt, v, tile);
   for (int a = 0; a < 3; ++a) {
     float* place = tile + (TileLayout::kPosition + a) * kLanes;
-    x[a] = mul_add(dt, v[a], load(place));
-    store(x[a], place);
+    if (meets_mesh(kPass) && on_mesh) {
+      x[a] = load(place);
+    } else {
+      x[a] = mul_add(dt, v[a], load(place));
+      store(x[a], place);
+    }
     extremes.excess =
         max(extremes.excess, max(x[a] - Lanes(task.high[a]), Lanes(task.low[a]) - x[a]));
   }
   extremes.add(v, C);
-  push_strain(dt, C, tile);
+  if (!(meets_mesh(kPass) && on_mesh)) push_strain(dt, C, tile);
   if constexpr (kPass == Pass::fused) {
     for (int a = 0; a < 3; ++a) store(v[a], work.v[t][a]);
     for (int i = 0; i < 9; ++i) store(C[i], work.C[t][i]);
@@ -208,12 +232,17 @@ HWY_INLINE void load_motion(const float* motion, int t, Work& work) {
   for (int i = 0; i < 9; ++i) store(load(motion + (3 + i) * kLanes), work.C[t][i]);
 }
 
+HWY_INLINE void no_stress(int tiles, Work& work) {
+  for (int t = 0; t < tiles; ++t)
+    for (int i = 0; i < 6; ++i) store(Lanes(0.0f), work.stress[t][i]);
+}
+
 template <Pass kPass>
 HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
   const FlushDenormals flush;
   static thread_local Work work;
   const int tile_floats = step.layout.floats();
-  if constexpr (kPass != Pass::scatter)
+  if constexpr (gathers(kPass))
     load_velocities(task, rows_to_read(task, step.layout.groups), work.velocity);
   task.touched = 0;
   task.excess = kNoExcess;
@@ -228,32 +257,36 @@ HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
       const int tiles = (count + kLanes - 1) / kLanes;
       float* const begin = run.tiles + std::size_t(first / kLanes) * tile_floats;
       float* const motion = run.motion + std::size_t(first / kLanes) * kMotionFloats;
-      constexpr Transfers kFirst = kPass == Pass::scatter ? Transfers::scatter : Transfers::gather;
+      constexpr Transfers kFirst = gathers(kPass) ? Transfers::gather : Transfers::scatter;
       for (int t = 0; t < tiles; ++t) weigh_tile<kFirst>(begin + t * tile_floats, t, work);
-      if constexpr (kPass == Pass::scatter) {
+      if constexpr (!gathers(kPass)) {
         for (int t = 0; t < tiles; ++t) load_motion(motion + t * kMotionFloats, t, work);
-        stress_batch(material, step.layout, begin, tiles, work);
+        if (meets_mesh(kPass) && material.on_mesh)
+          no_stress(tiles, work);
+        else
+          stress_batch(material, step.layout, begin, tiles, work);
       } else {
         for (int t = 0; t < tiles; ++t) {
           const int lanes = count - t * kLanes < kLanes ? count - t * kLanes : kLanes;
           gather_tile(work.velocity, work.weights[t], lanes, work.gathered[t]);
         }
         for (int t = 0; t < tiles; ++t)
-          move_tile<kPass>(step, task, begin + t * tile_floats, motion + t * kMotionFloats, t, work,
-                           extremes);
-        respond_function(material.response)(material, step.layout, begin, tiles, work, out);
+          move_tile<kPass>(step, task, material.on_mesh, begin + t * tile_floats,
+                           motion + t * kMotionFloats, t, work, extremes);
+        if (!(meets_mesh(kPass) && material.on_mesh))
+          respond_function(material.response)(material, step.layout, begin, tiles, work, out);
       }
-      if constexpr (kPass != Pass::gather) {
+      if constexpr (scatters(kPass)) {
         for (int t = 0; t < tiles; ++t)
           pack_tile(step, material.density, begin + t * tile_floats, t, work);
         scatter_batch(work.weights, work.momentum, count, work.nodes, task.touched);
       }
     }
-    if constexpr (kPass != Pass::scatter) extremes.reduce(task, out);
+    if constexpr (gathers(kPass)) extremes.reduce(task, out);
   }
   task.touched &=
       task.allowed;  // all of it, unless a particle ran past the guard, which the excess tells
-  if constexpr (kPass != Pass::gather) store_rows(work.nodes, task);
+  if constexpr (scatters(kPass)) store_rows(work.nodes, task);
 }
 
 }  // namespace HWY_NAMESPACE

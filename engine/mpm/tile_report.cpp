@@ -101,6 +101,7 @@ std::vector<TileSolver::Point> TileSolver::points() const {
         return static_cast<Real>(p.tile[(TileLayout::kStrain + k) * kLanes]);
       };
       point.strain << e(0), e(3), e(5), e(3), e(1), e(4), e(5), e(4), e(2);
+      if (on_mesh(run)) point.strain.setZero();
       point.tau_c = tau_c(p);
     }
   });
@@ -117,6 +118,7 @@ Snapshot TileSolver::snapshot() const {
   out.damage.resize(count);
   out.stress.resize(count);
   out.yielded.resize(count);
+  const TileMesh::Measure elements = mesh_.measure(*kernels_);
   each_run([&](const TileRun& run, const TileBlock& block) {
     std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes),
         stress(energy.size());
@@ -126,6 +128,13 @@ Snapshot TileSolver::snapshot() const {
       const auto id = static_cast<std::size_t>(p.id);
       out.x[id] = world_position(block, p);
       out.v[id] = (dx_ * Vec3(p.v(0), p.v(1), p.v(2))).cast<float>();
+      if (on_mesh(run)) {
+        const VertexState vertex = mesh_.at_vertex(elements, p.id);
+        out.stress[id] = vertex.stress;
+        out.yielded[id] = vertex.yielded;
+        out.damage[id] = vertex.damage;
+        continue;
+      }
       out.stress[id] = stress[static_cast<std::size_t>(i)];
       out.yielded[id] = p.yielded();
       const Real full = tau_c0(run.material, p.id);
@@ -155,6 +164,7 @@ void TileSolver::measure_energy(FrameReport& report) const {
   const Real cell_volume = dx_ * dx_ * dx_;
   ReportSums none;
   none.volume.resize(materials_.size());
+  const TileMesh::Measure elements = mesh_.measure(*kernels_);
   const ReportSums sums =
       ordered_sum(static_cast<Index>(store_.blocks().size()), 4, none, [&](Index b) {
         const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
@@ -187,6 +197,11 @@ void TileSolver::measure_energy(FrameReport& report) const {
             one.max_speed2 = v.squaredNorm();
             one.yielded = p.yielded();
             one.damaged = is_damaged(run.material, tau_c(p));
+            if (on_mesh(run)) {
+              const VertexState vertex = mesh_.at_vertex(elements, p.id);
+              one.yielded = vertex.yielded;
+              one.damaged = vertex.damaged;
+            }
             sum += one;
           }
         }
@@ -201,7 +216,7 @@ void TileSolver::measure_energy(FrameReport& report) const {
   report.angular_momentum = sums.angular;
   report.kinetic_energy = sums.kinetic;
   report.affine_energy = sums.affine;
-  report.elastic_energy = sums.elastic;
+  report.elastic_energy = sums.elastic + elements.energy * cell_volume;
   report.gravity_energy = sums.gravity;
   report.dissipated_energy = balance_.dissipated;
   report.max_speed = std::sqrt(sums.max_speed2);
@@ -250,7 +265,8 @@ std::uint64_t TileSolver::state_hash() const {
     }
     return out;
   });
-  return mix_bits(sum.bits ^ std::bit_cast<std::uint64_t>(time_));
+  const std::uint64_t elements = mesh_.empty() ? 0 : mesh_.hash();
+  return mix_bits(sum.bits ^ elements ^ std::bit_cast<std::uint64_t>(time_));
 }
 
 Index TileSolver::suspect() const {
@@ -337,6 +353,11 @@ void TileSolver::measure_motion() {
         return out;
       });
   motion_ = sums.motion;
+  if (!mesh_.empty()) {
+    const StepSums elements = mesh_response();
+    motion_ += elements.motion;
+    balance_.dissipated += elements.dissipation * dx_ * dx_ * dx_;
+  }
   motion_.collider_speed = NodeLoads(scene_.colliders, pull_, time_).collider_speed();
   balance_.dissipated += sums.dissipation * dx_ * dx_ * dx_;
 }
@@ -350,8 +371,8 @@ std::string TileSolver::describe() const {
 double TileSolver::bytes_per_particle() const {
   const double bytes = static_cast<double>(
       store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() + lone_.bytes() +
-      run_extremes_.capacity() * sizeof(RunExtremes) + strength_.size() * sizeof(float) +
-      material_of_.size() * sizeof(std::uint16_t));
+      static_cast<std::size_t>(mesh_.bytes()) + run_extremes_.capacity() * sizeof(RunExtremes) +
+      strength_.size() * sizeof(float) + material_of_.size() * sizeof(std::uint16_t));
   return bytes / std::max<double>(1, store_.particle_count());
 }
 

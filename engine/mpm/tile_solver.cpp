@@ -37,13 +37,12 @@ std::string TileSolver::obstacle(const SceneDesc& scene) {
     return "the gradient force is in the reference solver only";
   if (solver.deformation_update != DeformationUpdate::exponential)
     return "the linear deformation update is in the reference solver only";
-  for (const BodyDesc& body : scene.bodies)
-    if (body.force == ForceKind::mesh) return "mesh forces are in the reference solver only";
   if (!tile_kernels()) return "this CPU (or REND_SIMD) has no instruction set with vector kernels";
   return "";
 }
 
 Real TileSolver::Material::stiffness(const RunExtremes& extremes) const {
+  if (constants.on_mesh) return 0;
   const Lame lame = lame_parameters(desc.youngs_modulus, desc.poisson_ratio);
   return wave_stiffness(lame.mu, lame.lambda, extremes.least_stress) / desc.density;
 }
@@ -56,9 +55,11 @@ TileSolver::TileSolver(const SceneDesc& scene, const Model& model, const TileKer
       strength_(model.strength),
       material_of_(model.material),
       scene_hash_(hash_scene(scene, model)),
+      mesh_(scene, model, laws_of(scene.materials)),
       gravity_(scene.gravity) {
   for (const MaterialDesc& material : scene.materials)
     materials_.push_back({material, constants_of(material)});
+  add_mesh_materials();
   place(model);
   measure_motion();
   fill_report(report_);
@@ -88,7 +89,7 @@ TileLayout TileSolver::needed_layout() const {
   TileLayout layout = store_.layout();
   const auto any_material = [&](auto&& test) {
     return std::any_of(materials_.begin(), materials_.end(),
-                       [&](const Material& m) { return test(m.desc); });
+                       [&](const Material& m) { return !m.constants.on_mesh && test(m.desc); });
   };
   if (layout.tau_c < 0 &&
       any_material([](const MaterialDesc& m) { return m.yield_surface.type != 0; }))
@@ -111,7 +112,7 @@ void TileSolver::place(const Model& model) {
                               model.X[i][0], model.X[i][1], model.X[i][2], dx_));
     TileStore::Arrival& a = arrivals[i];
     a.id = static_cast<Index>(i);
-    a.material = model.material[i];
+    a.material = kind_of(model.material[i], a.id);
     for (int c = 0; c < 3; ++c) {
       a.block[c] = static_cast<int>(std::floor((cells[c] + 0.5) / 4));
       a.x[c] = static_cast<float>(cells[c] - 4.0 * a.block[c]);
@@ -125,6 +126,7 @@ void TileSolver::place(const Model& model) {
     const float threshold = static_cast<float>(tau_c0(model.material[i], id));
     if (layout.tau_c >= 0) lane[layout.tau_c * kLanes] = threshold;
     if (layout.tau_c0 >= 0) lane[layout.tau_c0 * kLanes] = threshold;
+    if (mesh_.carries(id)) set_low_position(model.X[i] / dx_, lane);
   });
 
   spare_.reserve(std::size_t(store_.tile_count()) * std::max(kMotionFloats, layout.floats()));
@@ -158,9 +160,10 @@ void TileSolver::begin_leg(Real remaining) {
   NodeLoads loads(scene_.colliders, pull_, time_, node_rule_);
   loads.set_pulled_mass(1);
   const Real clearance = (1.5 * std::sqrt(3.0) + 2 * lone_reach_) * dx_;
-  const std::vector<std::uint8_t> flags = find_lone_blocks(store_, lone_reach_, [&](const Vec3& x) {
-    return loads.none() || loads.near(dx_ * x, clearance).none();
-  });
+  const std::vector<std::uint8_t> flags =
+      find_lone_blocks(store_, lone_reach_, [&](const Vec3& x, const TileRun& run) {
+        return !on_mesh(run) && (loads.none() || loads.near(dx_ * x, clearance).none());
+      });
   if (std::find(flags.begin(), flags.end(), 1) != flags.end()) {
     store_.set_lone(flags);
     lone_.pack(store_, motion());
@@ -186,7 +189,7 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
   begin_leg(end - time_);
   Real dt = choose_time_step(scene_.solver, dx_, motion_, end - time_);
   if (too_many(dt)) return {Status::too_fast, -1, motion_.speed, true};
-  every_particle(Pass::scatter, step_constants(Pass::scatter, 0, dt));
+  every_particle(Pass::scatter, step_constants(Pass::scatter, 0, dt), dt);
   for (bool last = false; !last;) {
     const Real fastest = grid_pass(dt);
     const float reach = static_cast<float>(dt * fastest);
@@ -213,11 +216,11 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
       next = choose_time_step(scene_.solver, dx_, motion_, end - after);
       if (too_many(next)) return {Status::too_fast, -1, motion_.speed, true};
     }
-    if (last)
+    if (last || !mesh_.empty())
       spare_.reserve(std::size_t(store_.tile_count()) *
                      std::max(kMotionFloats, store_.layout().floats()));
     const Pass pass = last ? Pass::gather : Pass::fused;
-    const StepSums sums = every_particle(pass, step_constants(pass, dt, next));
+    const StepSums sums = every_particle(pass, step_constants(pass, dt, next), next);
     if (rebin) {
       const Stopwatch watch(times_.rebin);
       grid_.rebuild(store_.regular_blocks());

@@ -7,6 +7,7 @@
 #include "engine/mpm/tile_grid.h"
 #include "engine/mpm/tile_kernel.h"
 #include "engine/mpm/tile_lone.h"
+#include "engine/mpm/tile_mesh.h"
 #include "engine/mpm/tile_store.h"
 #include "engine/mpm/time_step.h"
 
@@ -19,7 +20,7 @@ namespace rend {
 
 /// CPU seconds of the process that the stages of advance() have taken.
 struct TileTimes {
-  Real grid = 0, particles = 0, rebin = 0;
+  Real grid = 0, particles = 0, elements = 0, rebin = 0;
   Index steps = 0, rebins = 0;
 };
 
@@ -57,6 +58,8 @@ class TileSolver : public Solver {
   };
   std::vector<Point> points() const;  ///< by id
   const TileTimes& times() const { return times_; }
+  /// Elements of bodies with mesh forces.
+  const TileMesh& mesh() const { return mesh_; }
   /// Steps that single particles have taken without a grid.
   std::int64_t lone_steps() const { return lone_steps_; }
 
@@ -78,6 +81,7 @@ class TileSolver : public Solver {
   // Everything that a bad frame must give back, and that a file must keep.
   struct State {
     TileStore::State store;
+    TileMesh::State mesh;
     std::vector<float> motion;
     Real time = 0;
     EnergyBalance balance;
@@ -88,10 +92,28 @@ class TileSolver : public Solver {
   void place(const Model& model);
   MaterialConstants constants_of(const MaterialDesc& material) const;
   StepConstants step_constants(Pass pass, Real dt, Real next_dt) const;
-  StepSums particle_pass(Pass pass, const StepConstants& step);
+  // Blocks that a pass is for.
+  enum class Blocks { all, with_mesh, without_mesh };
+  StepSums particle_pass(Pass pass, const StepConstants& step, Blocks which = Blocks::all);
+  /// The same with forces of elements between gather and scatter; `next` is the step to come.
+  StepSums mesh_pass(Pass pass, const StepConstants& step, Real next);
+  void place_vertices();
+  StepSums mesh_response();
+  /// Vertices take the impulse of their elements in a step `dt` as velocity.
+  void kick_vertices(Real dt);
+  void add_mesh_materials();
+  bool on_mesh(const TileRun& run) const { return materials_[run.material].constants.on_mesh; }
+  bool meets_mesh(const TileBlock& block) const;
+  std::vector<TileMesh::Law> laws_of(const std::vector<MaterialDesc>& materials) const;
+  /// Which of materials_ a particle follows.
+  std::uint16_t kind_of(std::uint16_t material, Index id) const;
+  /// The digits of a vertex position that its lane has no room for.
+  void set_low_position(const Vec3& cells, float* lane) const;
+  template <class F>
+  void each_vertex(F&& visit) const;
   StepSums sums_of(std::uint16_t material, const RunExtremes& extremes) const;
   StepSums lone_pass(Pass pass, const StepConstants& step);
-  StepSums every_particle(Pass pass, const StepConstants& step);
+  StepSums every_particle(Pass pass, const StepConstants& step, Real next);
   /// Between legs all particles are in regular blocks, with v and C stored; within one, lone ones
   /// are on their own.
   void begin_leg(Real remaining);
@@ -130,6 +152,7 @@ class TileSolver : public Solver {
   Real dx_;
   Real density_;  ///< reference [kg/m3]
   const TileKernels* kernels_;
+  /// Of the scene; with mesh forces once more, for vertices of elements.
   std::vector<Material> materials_;
   std::vector<float> strength_;
   std::vector<std::uint16_t> material_of_;  ///< by id
@@ -138,6 +161,7 @@ class TileSolver : public Solver {
   TileStore store_;
   mutable AlignedFloats spare_;  ///< v and C between frames, room to re-bin within one
   TileGrid grid_;
+  TileMesh mesh_;
   LoneTiles lone_;
   Real lone_reach_ = 0;   ///< how far anything may move in this leg [cells]
   Real lone_travel_ = 0;  ///< how far anything may have moved since it began [cells]

@@ -39,6 +39,8 @@ void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
   measure_energy(energy_before);
   const Real before = initial_threshold(materials_.at(index).desc.yield_surface);
   materials_[index] = {material, constants_of(material)};
+  add_mesh_materials();
+  if (!mesh_.empty()) mesh_.set_law(index, laws_of({material})[0]);
   const Real now = initial_threshold(material.yield_surface);
   const bool had_threshold = store_.layout().tau_c >= 0;
   const TileLayout needed = needed_layout();
@@ -75,6 +77,7 @@ void TileSolver::set_gravity(const Vec3& gravity) {
 TileSolver::State TileSolver::state() const {
   State s;
   s.store = store_.state();
+  s.mesh = mesh_.state();
   s.motion.assign(motion(), motion() + std::size_t(store_.tile_count()) * kMotionFloats);
   s.time = time_;
   s.balance = balance_;
@@ -86,6 +89,8 @@ TileSolver::State TileSolver::state() const {
 void TileSolver::restore(const State& s) {
   lone_.clear();
   store_.restore(s.store);
+  mesh_.restore(s.mesh);
+  if (!mesh_.empty()) place_vertices();
   spare_.reserve(std::max(s.motion.size(), s.store.tiles.size()));
   std::copy(s.motion.begin(), s.motion.end(), motion());
   time_ = s.time;
@@ -107,13 +112,16 @@ void TileSolver::save(std::ostream& out) const {
   writer.put(pull_.at);
   writer.put(pull_.force);
   writer.put(pull_.radius);
-  for (const Material& material : materials_) put_material(writer, material.desc);
+  for (std::size_t m = 0; m < scene_.materials.size(); ++m)
+    put_material(writer, materials_[m].desc);
   writer.put(s.store.layout);
   writer.put(s.store.blocks);
   writer.put(s.store.runs);
   writer.put(s.store.ids);
   writer.put(s.store.tiles);
   writer.put(s.motion);
+  writer.put(s.mesh.tiles);
+  writer.put(s.mesh.pull);
   writer.write(out, kKind, scene_hash_);
 }
 
@@ -133,8 +141,8 @@ void TileSolver::load(std::istream& in) {
   reader.get(pull.force);
   reader.get(pull.radius);
   std::vector<Material> materials;
-  for (const Material& material : materials_) {
-    const MaterialDesc desc = get_material(reader, material.desc);
+  for (std::size_t m = 0; m < scene_.materials.size(); ++m) {
+    const MaterialDesc desc = get_material(reader, materials_[m].desc);
     materials.push_back({desc, constants_of(desc)});
   }
   reader.get(s.store.layout);
@@ -143,14 +151,19 @@ void TileSolver::load(std::istream& in) {
   reader.get(s.store.ids);
   reader.get(s.store.tiles);
   reader.get(s.motion);
+  reader.get(s.mesh.tiles);
+  reader.get(s.mesh.pull);
   reader.finish();
-  if (!s.store.fits(store_.particle_count()))
+  if (!s.store.fits(store_.particle_count()) || !mesh_.fits(s.mesh))
     throw Error("state", "its tiles do not hold the particles of this scene");
+  materials_ = std::move(materials);
+  add_mesh_materials();
+  for (std::size_t m = 0; m < scene_.materials.size() && !mesh_.empty(); ++m)
+    mesh_.set_law(m, laws_of({materials_[m].desc})[0]);
   restore(s);
   frame_ = frame;
   gravity_ = gravity;
   pull_ = pull;
-  materials_ = std::move(materials);
   report_ = {};
   fill_report(report_);
 }

@@ -39,12 +39,14 @@ StepConstants TileSolver::step_constants(Pass pass, Real dt, Real next_dt) const
   return step;
 }
 
-TileSolver::StepSums TileSolver::particle_pass(Pass pass, const StepConstants& step) {
+TileSolver::StepSums TileSolver::particle_pass(Pass pass, const StepConstants& step, Blocks which) {
   const Stopwatch watch(times_.particles);
   const auto kernel = kernels_->particles[static_cast<int>(pass)];
   run_extremes_.resize(store_.runs().size());
   return ordered_sum(store_.regular_count(), 1, StepSums(), [&](Index b) {
     const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
+    if (which != Blocks::all && meets_mesh(block) != (which == Blocks::with_mesh))
+      return StepSums();
     ParticleRun few[4];
     std::vector<ParticleRun> many;
     ParticleRun* runs = few;
@@ -119,8 +121,8 @@ TileSolver::StepSums TileSolver::lone_pass(Pass pass, const StepConstants& step)
   return total;
 }
 
-TileSolver::StepSums TileSolver::every_particle(Pass pass, const StepConstants& step) {
-  StepSums sums = particle_pass(pass, step);
+TileSolver::StepSums TileSolver::every_particle(Pass pass, const StepConstants& step, Real next) {
+  StepSums sums = mesh_.empty() ? particle_pass(pass, step) : mesh_pass(pass, step, next);
   if (!lone_.empty()) sums += lone_pass(pass, step);
   return sums;
 }

@@ -1,8 +1,7 @@
 // Lagrangian forces: the derivative of the energy, no numerical fracture, damage opens a crack.
 #include "engine/mesh/build_model.h"
 #include "engine/mpm/mesh_force.h"
-#include "tests/mpm/kuhn_model.h"
-#include "tests/mpm/lattice_model.h"
+#include "tests/mpm/mesh_model.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -15,14 +14,6 @@
 using namespace rend;
 
 namespace {
-
-SceneDesc mesh_scene() {
-  SceneDesc scene = plain_scene();
-  BodyDesc body;
-  body.force = ForceKind::mesh;
-  scene.bodies.push_back(body);
-  return scene;
-}
 
 std::vector<SolverMaterial> materials_of(const SceneDesc& scene) {
   return {scene.materials.begin(), scene.materials.end()};

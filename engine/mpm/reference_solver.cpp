@@ -26,6 +26,11 @@ constexpr Real kMostSteps = 1e7;  // in one advance; more means that the state h
 
 }  // namespace
 
+Mat3 step_exponent(const Mat3& H) {
+  const Mat3 W = 0.5 * (H - H.transpose());
+  return H - 0.5 * W * W;
+}
+
 ReferenceSolver::StepSums& ReferenceSolver::StepSums::operator+=(const StepSums& other) {
   motion += other.motion;
   dissipation += other.dissipation;
@@ -179,7 +184,7 @@ void ReferenceSolver::move_particle(Index p, const GridSample& sample, Real dt, 
   const Mat3 H = dt * sample.gradient;
   if (!mesh_.carries(p))
     particles_.F[i] = scene_.solver.deformation_update == DeformationUpdate::exponential
-                          ? Mat3(matrix_exponential(H) * particles_.F[i])
+                          ? Mat3(matrix_exponential(step_exponent(H)) * particles_.F[i])
                           : Mat3(particles_.F[i] + H * particles_.F[i]);
   respond(p, sums);
   sums.motion.gradient = std::max(sums.motion.gradient, sample.gradient.norm());

@@ -16,6 +16,12 @@
 
 namespace rend {
 
+/// The exponent E of F <- exp(E) F for H = dt grad v: H - W^2 / 2 with W = skew H. Positions move
+/// with 1 + H, which for a turn R is R; exp(R - 1) shrinks by the square of the angle, so that
+/// spinning bodies would swell step by step, and E takes that back up to the fourth order. The
+/// isotropic mode, which sets the stable step, has no W.
+Mat3 step_exponent(const Mat3& H);
+
 class ReferenceSolver : public Solver {
  public:
   /// @throws Error for particles that are not finite or outside +-2^20 cells, and for flat tets

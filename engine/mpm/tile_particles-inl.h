@@ -85,10 +85,27 @@ HWY_INLINE void push_forward(const Lanes* A, Lanes* e) {
   }
 }
 
+/// H <- H - W^2 / 2 with W the skew part of H, see step_exponent().
+HWY_INLINE void follow_rotation(Lanes* H) {
+  const Lanes half(0.5f);
+  const Lanes w[3] = {half * (H[7] - H[5]), half * (H[2] - H[6]), half * (H[3] - H[1])};
+  const Lanes h[3] = {half * w[0], half * w[1], half * w[2]};
+  H[0] = mul_add(h[1], w[1], mul_add(h[2], w[2], H[0]));
+  H[4] = mul_add(h[2], w[2], mul_add(h[0], w[0], H[4]));
+  H[8] = mul_add(h[0], w[0], mul_add(h[1], w[1], H[8]));
+  constexpr int upper[3] = {1, 5, 6}, lower[3] = {3, 7, 2};
+  for (int a = 0; a < 3; ++a) {
+    const Lanes off = h[a] * w[(a + 1) % 3];
+    H[upper[a]] = H[upper[a]] - off;
+    H[lower[a]] = H[lower[a]] - off;
+  }
+}
+
 /// b^e - I of a tile after a step dt with velocity gradient C.
 HWY_INLINE void push_strain(Lanes dt, const Lanes* C, float* tile) {
   Lanes H[9], A[9], e[6];
   for (int i = 0; i < 9; ++i) H[i] = dt * C[i];
+  follow_rotation(H);
   exponential_minus_one(H, A);
   load_strain(tile, e);
   push_forward(A, e);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/core/small_matrix.h"
+#include "engine/mpm/kernel.h"
 #include "engine/mpm/reference_solver.h"
 #include "engine/mpm/tile_solver.h"
 #include "tests/mpm/lattice_model.h"
@@ -45,10 +46,11 @@ inline std::string method_name(const SolverDesc& s) {
                      s.precision == Precision::float32 ? "float" : "double");
 }
 
-/// Positions, velocities and Kirchhoff stresses by particle id.
+/// Positions, velocities, Kirchhoff stresses and affine velocities (empty when the scheme has none)
+/// by particle id.
 struct Matter {
   std::vector<Vec3> x, v;
-  std::vector<Mat3> tau;
+  std::vector<Mat3> tau, C;
 };
 
 /// One run of a scene by the solver of its precision.
@@ -66,7 +68,8 @@ class Trial {
 
   Matter matter() const {
     if (const auto* reference = dynamic_cast<const ReferenceSolver*>(solver_.get()))
-      return {reference->particles().x, reference->particles().v, reference->particles().tau};
+      return {reference->particles().x, reference->particles().v, reference->particles().tau,
+              reference->particles().C};
     Matter out;
     for (const TileSolver::Point& p : static_cast<const TileSolver&>(*solver_).points()) {
       const MaterialDesc& m = scene_.materials[0];
@@ -76,6 +79,7 @@ class Trial {
       const Vec3 tau = 2 * lame.mu * hencky + Vec3::Constant(lame.lambda * hencky.sum());
       out.x.push_back(p.x);
       out.v.push_back(p.v);
+      out.C.push_back(p.C);
       out.tau.push_back(b.U * tau.asDiagonal() * b.U.transpose());
     }
     return out;

@@ -1,7 +1,9 @@
 // Drives a fracture mesh with prescribed motion, so that nothing but the fracture mesh is measured.
 #include "bench/bench_fracture.h"
 
+#include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "engine/core/stopwatch.h"
 #include "engine/fracture/crack_mesh.h"
 #include "engine/fracture/fracture_mesh.h"
 #include "engine/mesh/build_model.h"
@@ -10,7 +12,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace rend {
@@ -75,12 +76,12 @@ FractureBenchRow bench_fracture(Index particles, Real broken_share) {
   const Fragments fragments(count, 1);
   const std::vector<int> label = labels(model, fragments);
 
-  const auto start = std::chrono::steady_clock::now();
+  const Real start = cpu_seconds();
   FractureMesh mesh(scene, model);
   FractureBenchRow row;
   row.particles = model.particle_count();
   const Real us = 1e6 / static_cast<Real>(row.particles);
-  row.setup = us * std::chrono::duration<Real>(std::chrono::steady_clock::now() - start).count();
+  row.setup = us * (cpu_seconds() - start);
 
   Snapshot now;
   now.x = model.X;
@@ -102,9 +103,10 @@ FractureBenchRow bench_fracture(Index particles, Real broken_share) {
       const Eigen::AngleAxisd turn(.1 * share, centre.normalized());
       now.x[p] = centre + turn * (X - centre) + share * opening * centre;
     }
+    const Real begin = cpu_seconds();
     mesh.update(now);
     mesh.surface(now, surface);
-    times.push_back(us * mesh.report().seconds);
+    times.push_back(us * (cpu_seconds() - begin));
     if (row.first_crack == 0 && mesh.report().new_broken > 0) row.first_crack = times.back();
     if (f < frames - 5) continue;
     const FractureStages s = mesh.stages();
@@ -124,8 +126,11 @@ FractureBenchRow bench_fracture(Index particles, Real broken_share) {
 }
 
 void print_fracture_bench(std::span<const Index> sizes, std::FILE* out, std::FILE* csv) {
+  // One core: what several cost together depends on what else the machine does.
+  set_thread_count(1);
   fmt::print(out,
-             "Fracture mesh, us per particle and frame (mean of the last 5 of {} frames, when most "
+             "Fracture mesh, CPU us per particle and frame, one thread (mean of the last 5 of {} "
+             "frames, when most "
              "is broken)\n"
              "{:>9} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} | {:>6} "
              "{:>6} {:>6} {:>6}\n",

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 namespace rend {
 
@@ -18,7 +17,6 @@ constexpr std::uint8_t changed_bit = 64;
 
 CrackMesh::CrackMesh(const TetTables& tables)
     : tables_(&tables),
-      record_of_edge_(tables.edge_to.size(), -1),
       mask_(tables.tet_edge.size(), 0),
       cracked_of_tet_(tables.tet_edge.size(), -1),
       skin_(tables.skin.size()),
@@ -133,9 +131,9 @@ void CrackMesh::open_edge(Index edge, Index frame) {
   }
   unlink(end[0], end[1]);
   unlink(end[1], end[0]);
-  edge_length2_[edge] = std::numeric_limits<float>::infinity();
-  record_of_edge_[edge] = static_cast<Index>(broken_.size());
-  broken_.push_back({edge, frame, copy, end, 0.5});
+  edge_length2_[edge] =
+      std::bit_cast<float>(record_bits + static_cast<std::uint32_t>(broken_.size()));
+  broken_.push_back({edge, frame, copy, 0.5});
   for (const TetEdge& around : ring_) {
     const Index record = cracked_record(around.tet);
     std::uint8_t& mask = mask_[around.tet];
@@ -244,7 +242,7 @@ void CrackMesh::update_centre(CrackedTet& cracked) {
 Index CrackMesh::middle_id(Index tet, int edge, int vertex) const {
   const int side = edge_ends[edge][0] == vertex ? 0 : 1;
   return tables_->skin_particle.size() +
-         broken_[record_of_edge_[tables_->tet_edge[tet][edge]]].copy + side;
+         broken_[record_of_edge(tables_->tet_edge[tet][edge])].copy + side;
 }
 
 Index CrackMesh::corner_id(const CrackedTet& cracked, CornerCode code) const {
@@ -283,17 +281,15 @@ void CrackMesh::emit_tet(CrackedTet& cracked) {
   reserve_triangles(cracked.triangles, cut.triangle_count);
   std::array<Index, code_count> id;
   id.fill(-1);
-  const bool negative = tables_->tet_negative[cracked.tet];
-  const Tet v = tables_->corners(cracked.tet);
+  const bool negative = tables_->negative(cracked.tet);
   for (int k = 0; k < cut.triangle_count; ++k) {
     const auto& piece = cut.triangles[k];
     CutTriangle& triangle = triangles_[cracked.triangles.first + k];
     for (int c = 0; c < 3; ++c) {
-      const CornerCode code = piece.corner[negative && c ? 3 - c : c];
+      const CornerCode code = piece[negative && c ? 3 - c : c];
       if (id[code] < 0) id[code] = corner_id(cracked, code);
-      triangle.corner[c] = id[code];
+      triangle[c] = id[code];
     }
-    triangle.owner = v[piece.owner];
   }
 }
 
@@ -301,15 +297,14 @@ void CrackMesh::emit_skin(Index skin_face) {
   const auto& face = tables_->skin[skin_face];
   const int mask = face_mask(mask_[face.tet], face.face);
   if (mask == 0) return;
-  const Tet v = tables_->corners(face.tet);
   const int* corner = face_corners[face.face];
   const int broken_count = std::popcount(static_cast<unsigned>(mask));
   Range& range = skin_[skin_face].triangles;
   reserve_triangles(range, broken_count == 1 ? 4 : broken_count == 2 ? 3 : 6);
   Index at = range.first;
-  const auto add = [&](Index a, Index b, Index c, int owner) {
+  const auto add = [&](Index a, Index b, Index c) {
     if (face.flip) std::swap(b, c);
-    triangles_[at++] = {{a, b, c}, v[corner[owner]]};
+    triangles_[at++] = {a, b, c};
   };
   const auto middle = [&](int edge, int k) {
     return middle_id(face.tet, face_edges[face.face][edge], corner[k]);
@@ -319,9 +314,9 @@ void CrackMesh::emit_skin(Index skin_face) {
     while (mask >> cyclic_edge[whole] & 1) ++whole;
     const int p = whole, q = (whole + 1) % 3, r = (whole + 2) % 3;
     const int qr = cyclic_edge[q], rp = cyclic_edge[r];
-    add(face.vertex[r], middle(rp, r), middle(qr, r), r);
-    add(face.vertex[p], face.vertex[q], middle(qr, q), p);
-    add(face.vertex[p], middle(qr, q), middle(rp, p), p);
+    add(face.vertex[r], middle(rp, r), middle(qr, r));
+    add(face.vertex[p], face.vertex[q], middle(qr, q));
+    add(face.vertex[p], middle(qr, q), middle(rp, p));
     return;
   }
   const FaceRecord& record = faces_[cracked_[cracked_of_tet_[face.tet]].face[face.face]];
@@ -332,10 +327,10 @@ void CrackMesh::emit_skin(Index skin_face) {
     const Index centre_p = skin_vertices + record.copy[component[p]];
     const Index centre_q = skin_vertices + record.copy[component[q]];
     if (mask >> edge & 1) {
-      add(face.vertex[p], middle(edge, p), centre_p, p);
-      add(middle(edge, q), face.vertex[q], centre_q, q);
+      add(face.vertex[p], middle(edge, p), centre_p);
+      add(middle(edge, q), face.vertex[q], centre_q);
     } else {
-      add(face.vertex[p], face.vertex[q], centre_p, p);
+      add(face.vertex[p], face.vertex[q], centre_p);
     }
   }
 }
@@ -343,13 +338,14 @@ void CrackMesh::emit_skin(Index skin_face) {
 void CrackMesh::place_middle(Index record, Real t) {
   BrokenEdge& b = broken_[record];
   b.t = t;
-  const Vec3 &from = tables_->X[b.end[0]], &to = tables_->X[b.end[1]];
+  const Edge end = ends(b);
+  const Vec3 &from = tables_->X[end[0]], &to = tables_->X[end[1]];
   nodes_[copies_[b.copy].node] = from + t * (to - from);
 }
 
 void CrackMesh::place_centres(std::span<const Index> records) {
   const auto middle = [&](Index tet, int edge) -> const Vec3& {
-    return nodes_[copies_[broken_[record_of_edge_[tables_->tet_edge[tet][edge]]].copy].node];
+    return nodes_[copies_[broken_[record_of_edge(tables_->tet_edge[tet][edge])].copy].node];
   };
   for (Index r : records) {
     const CrackedTet& cracked = cracked_[r];
@@ -373,10 +369,10 @@ void CrackMesh::place_centres(std::span<const Index> records) {
 
 double CrackMesh::bytes() const {
   const auto size = [](const auto& v) { return static_cast<double>(v.size() * sizeof(v[0])); };
-  return size(edge_length2_) + size(link_row_) + size(link_) + size(link_count_) +
-         size(record_of_edge_) + size(broken_) + size(mask_) + size(cracked_of_tet_) +
-         size(cracked_) + size(faces_) + size(centres_) + size(copies_) + size(nodes_) +
-         size(triangles_) + size(skin_) + size(is_near_) + size(near_);
+  return size(edge_length2_) + size(link_row_) + size(link_) + size(link_count_) + size(broken_) +
+         size(mask_) + size(cracked_of_tet_) + size(cracked_) + size(faces_) + size(centres_) +
+         size(copies_) + size(nodes_) + size(triangles_) + size(skin_) + size(is_near_) +
+         size(near_);
 }
 
 }  // namespace rend

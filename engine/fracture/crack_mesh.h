@@ -5,6 +5,8 @@
 #include "engine/fracture/tet_templates.h"
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,8 +19,7 @@ struct BrokenEdge {
   Index edge;
   Index frame;  ///< of the snapshot that broke it
   Index copy;   ///< vertex copy of the lower end; the other one is copy + 1
-  std::array<Index, 2> end;
-  Real t;  ///< where the crack crosses the edge, from the lower end [-]
+  Real t;       ///< where the crack crosses the edge, from the lower end [-]
 };
 
 /// A vertex added by the cut. The copies of one simplex share a node, that is a rest position, so
@@ -32,10 +33,7 @@ struct VertexCopy {
 };
 
 /// Corner ids: skin vertices first, then copies.
-struct CutTriangle {
-  std::array<Index, 3> corner;
-  Index owner;  ///< particle whose matter it bounds
-};
+using CutTriangle = std::array<Index, 3>;
 
 /// Every copy is keyed by its simplex and the representative of its component and keeps its number
 /// as long as that component exists; only tets with a newly broken edge are cut again. Cost:
@@ -46,8 +44,8 @@ class CrackMesh {
 
   /// Breaks edges that are not broken yet; ids in ascending order for reproducible numbering.
   void break_edges(std::span<const Index> edges, Index frame);
-  bool broken(Index edge) const { return record_of_edge_[edge] >= 0; }
-  /// #E squared rest lengths [m2], +inf once broken.
+  bool broken(Index edge) const { return std::signbit(edge_length2_[edge]); }
+  /// #E squared rest lengths [m2]; negative or NaN once broken.
   const std::vector<float>& edge_length2() const { return edge_length2_; }
   /// Particles that p shares an unbroken edge with, and those it was torn from.
   std::span<const Index> linked(Index p) const {
@@ -56,7 +54,22 @@ class CrackMesh {
   std::span<const Index> torn(Index p) const {
     return {link_.data() + link_row_[p] + link_count_[p], link_.data() + link_row_[p + 1]};
   }
-  Index record_of_edge(Index edge) const { return record_of_edge_[edge]; }
+  /// -1 for an edge that is not broken.
+  Index record_of_edge(Index edge) const {
+    return broken(edge)
+               ? static_cast<Index>(std::bit_cast<std::uint32_t>(edge_length2_[edge]) - record_bits)
+               : -1;
+  }
+  /// Ends of a broken edge, lower particle first.
+  Edge ends(const BrokenEdge& b) const {
+    return {copies_[b.copy].member[0], copies_[b.copy + 1].member[0]};
+  }
+  /// A particle in whose matter a corner lies.
+  Index particle_of(Index corner) const {
+    const auto skin_vertices = static_cast<Index>(tables_->skin_particle.size());
+    return corner < skin_vertices ? tables_->skin_particle[corner]
+                                  : copies_[corner - skin_vertices].member[0];
+  }
 
   /// Lets the crack cross the edge of a record at share t from its lower end.
   void place_middle(Index record, Real t);
@@ -121,11 +134,13 @@ class CrackMesh {
   void reserve_triangles(Range& range, Index count);
   void compact_triangles();
 
+  // A broken edge keeps its record in the place of its length: a negative number of normal size.
+  static constexpr std::uint32_t record_bits = 0xc0000000u;
+
   const TetTables* tables_;
   std::vector<float> edge_length2_;
   std::vector<Index> link_row_, link_;  ///< full CSR of neighbours, unbroken ones first
   std::vector<Index> link_count_;       ///< unbroken ones
-  std::vector<Index> record_of_edge_;
   std::vector<BrokenEdge> broken_;
   std::vector<std::uint8_t> mask_;
   std::vector<Index> cracked_of_tet_;

@@ -57,8 +57,7 @@ Fans collect_fans(const CrackMesh& crack, std::span<const Index> records) {
         const auto& cracked = crack.cracked()[crack.cracked_of_tet(at.tet)];
         for (const CutTriangle& t : crack.triangles_of(cracked.triangles))
           for (int k = 0; k < 3; ++k)
-            if (t.corner[k] == self)
-              fans.wings.push_back({node(t.corner[(k + 1) % 3]), node(t.corner[(k + 2) % 3])});
+            if (t[k] == self) fans.wings.push_back({node(t[(k + 1) % 3]), node(t[(k + 2) % 3])});
       }
       if (side == 0) fans.first_side.push_back(static_cast<Index>(fans.wings.size()));
     }
@@ -73,8 +72,8 @@ void smooth_middles(CrackMesh& crack, std::span<const Index> records, int iterat
   if (iterations <= 0) return;
   const TetTables& tables = crack.tables();
   for (Index r : records) {
-    const BrokenEdge& b = crack.broken_edges()[r];
-    const Real f = whole_share(crack, b.end[0]), g = whole_share(crack, b.end[1]);
+    const Edge end = crack.ends(crack.broken_edges()[r]);
+    const Real f = whole_share(crack, end[0]), g = whole_share(crack, end[1]);
     crack.place_middle(r, std::clamp(f / (f + g), t_min, t_max));
   }
   if (iterations <= 2) return;
@@ -83,8 +82,9 @@ void smooth_middles(CrackMesh& crack, std::span<const Index> records, int iterat
   for (int pass = 2; pass < iterations; ++pass)
     for (std::size_t i = 0; i < records.size(); ++i) {
       const BrokenEdge& b = crack.broken_edges()[records[i]];
-      const Vec3& from = tables.X[b.end[0]];
-      const Vec3 edge = tables.X[b.end[1]] - from;
+      const Edge end = crack.ends(b);
+      const Vec3& from = tables.X[end[0]];
+      const Vec3 edge = tables.X[end[1]] - from;
       const Vec3 self = X[crack.copies()[b.copy].node];
       Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
       for (Index w = fans.row[i]; w < fans.row[i + 1]; ++w) {

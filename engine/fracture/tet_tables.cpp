@@ -53,11 +53,11 @@ std::vector<Tet> TetTables::sort_tets(const Model& model) {
   }
   // Tets by their lowest vertex, then the next: neighbours in space become neighbours in memory.
   std::sort(tet.begin(), tet.end());
-  tet_negative.resize(tet.size());
+  tet_lowest.resize(tet.size());
   for (std::size_t t = 0; t < tet.size(); ++t) {
     const Vec3& a = X[tet[t][0]];
     const Real volume = (X[tet[t][1]] - a).cross(X[tet[t][2]] - a).dot(X[tet[t][3]] - a);
-    tet_negative[t] = volume < 0;
+    tet_lowest[t] = volume < 0 ? tet[t][0] | inside_out : tet[t][0];
   }
   return tet;
 }
@@ -80,10 +80,8 @@ void TetTables::build_edges(const std::vector<Tet>& tet) {
     edge_row[p + 1] = edge_count();
   }
   tet_edge.resize(tet.size());
-  tet_lowest.resize(tet.size());
   edge_tet.assign(edge_to.size(), -1);
   for (Index t = 0; t < tet_count(); ++t) {
-    tet_lowest[t] = tet[t][0];
     for (int e = 0; e < 6; ++e) {
       const Index a = tet[t][edge_ends[e][0]], b = tet[t][edge_ends[e][1]];
       const auto row = edge_to.begin() + edge_row[a];
@@ -147,7 +145,7 @@ void TetTables::build_faces(const Model& model, const std::vector<Tet>& tet) {
     const Index t = boundary[found].second / 4;
     const int f = boundary[found].second % 4;
     // (a, b, c) of faces 0 and 2 points into a positive tet, of faces 1 and 3 out of it.
-    const bool flip = (f == 0 || f == 2) != (tet_negative[t] != 0);
+    const bool flip = (f == 0 || f == 2) != negative(t);
     skin[i] = {t, f, flip, {-1, -1, -1}};
     tet_face[t][f] = -1 - static_cast<Index>(i);
     if (model.skin.empty()) {
@@ -283,8 +281,8 @@ void TetTables::measure(const Model& model) {
 double TetTables::bytes_per_particle() const {
   const auto bytes = [](const auto& v) { return static_cast<double>(v.size() * sizeof(v[0])); };
   const double total = bytes(X) + bytes(edge_row) + bytes(edge_to) + bytes(edge_tet) +
-                       bytes(tet_lowest) + bytes(tet_negative) + bytes(tet_edge) + bytes(tet_face) +
-                       bytes(skin) + bytes(skin_uncut) + bytes(skin_particle) + bytes(body);
+                       bytes(tet_lowest) + bytes(tet_edge) + bytes(tet_face) + bytes(skin) +
+                       bytes(skin_uncut) + bytes(skin_particle) + bytes(body);
   return total / std::max<double>(1, static_cast<double>(X.size()));
 }
 

@@ -6,6 +6,7 @@
 #include "engine/scene/model.h"
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace rend {
@@ -31,8 +32,10 @@ struct TetTables {
   /// Vertices of a tet, ascending.
   Tet corners(Index t) const {
     const auto& e = tet_edge[t];
-    return {tet_lowest[t], edge_to[e[0]], edge_to[e[1]], edge_to[e[2]]};
+    return {tet_lowest[t] & ~inside_out, edge_to[e[0]], edge_to[e[1]], edge_to[e[2]]};
   }
+  /// Whether sorting its vertices turned a tet inside out.
+  bool negative(Index t) const { return (tet_lowest[t] & inside_out) != 0; }
   Index skin_count() const { return static_cast<Index>(skin.size()); }
 
   Edge edge(Index e) const;  ///< its ends, lower particle first
@@ -42,10 +45,10 @@ struct TetTables {
 
   std::vector<Vec3> X;  ///< #P rest positions [m]
   std::vector<Index> edge_row,
-      edge_to;                    ///< half CSR: edges from p are [edge_row[p], edge_row[p+1])
-  std::vector<Index> edge_tet;    ///< #E one tet of the fan
-  std::vector<Index> tet_lowest;  ///< first vertex; the others are ends of its edges
-  std::vector<std::uint8_t> tet_negative;  ///< 1 when sorting turned the tet inside out
+      edge_to;                  ///< half CSR: edges from p are [edge_row[p], edge_row[p+1])
+  std::vector<Index> edge_tet;  ///< #E one tet of the fan
+  static constexpr Index inside_out = std::numeric_limits<Index>::min();  ///< the sign bit
+  std::vector<Index> tet_lowest;  ///< first vertex and the bit above; the others are ends of edges
   std::vector<std::array<Index, 6>> tet_edge;
   std::vector<std::array<Index, 4>>
       tet_face;  ///< neighbour across the face, or -1 - index into skin

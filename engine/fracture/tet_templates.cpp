@@ -72,18 +72,17 @@ class Builder {
   }
 
  private:
-  // Appends a polygon as a fan from its first corner; `outwards` points out of the owner's matter.
-  void add(std::vector<CornerCode> loop, const Vec3& outwards, int owner) {
+  // Appends a polygon as a fan from its first corner; `outwards` points out of the matter.
+  void add(std::vector<CornerCode> loop, const Vec3& outwards) {
     Vec3 area = Vec3::Zero();
     for (std::size_t k = 1; k + 1 < loop.size(); ++k)
       area += (reference_corner(loop[k]) - reference_corner(loop[0]))
                   .cross(reference_corner(loop[k + 1]) - reference_corner(loop[0]));
     const bool flip = area.dot(outwards) < 0;
     for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
-      auto& piece = out_.triangles[out_.triangle_count++];
-      piece.corner = {loop[0], loop[k], loop[k + 1]};
-      if (flip) std::swap(piece.corner[1], piece.corner[2]);
-      piece.owner = static_cast<std::uint8_t>(owner);
+      auto& corner = out_.triangles[out_.triangle_count++];
+      corner = {loop[0], loop[k], loop[k + 1]};
+      if (flip) std::swap(corner[1], corner[2]);
     }
   }
 
@@ -106,7 +105,7 @@ class Builder {
           Vec3 direction = outwards(e, v);
           if (next >= 0) direction += outwards(next, far_vertex);
           const auto centre = static_cast<CornerCode>(tet_code + all_.tet_component[mask_][v]);
-          add({middle(e, v), far_corner, centre}, direction, v);
+          add({middle(e, v), far_corner, centre}, direction);
         }
       }
     }
@@ -148,7 +147,7 @@ class Builder {
         edge = next;
       }
       if (!cycle) loop.push_back(static_cast<CornerCode>(face_code + 3 * face));
-      add(loop, direction, edge_ends[first][side]);
+      add(loop, direction);
     }
   }
 

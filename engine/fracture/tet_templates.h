@@ -32,13 +32,9 @@ inline constexpr CornerCode face_code = 12, tet_code = 24, code_count = 28;
 /// three broken edges, the cut is a plain polygon on each side (marching-tet triangle or quad, or a
 /// slit that ends inside the tet); else a fan around the centre of the tet.
 struct TetTemplate {
-  struct Piece {
-    std::array<CornerCode, 3> corner;
-    std::uint8_t owner;  ///< local vertex whose matter the triangle bounds
-  };
   std::uint8_t triangle_count = 0;
   bool needs_centre = false;
-  std::array<Piece, 24> triangles;
+  std::array<std::array<CornerCode, 3>, 24> triangles;
 };
 
 /// All masks, and the components of a tet (64 masks) and of a face (8 masks) through unbroken

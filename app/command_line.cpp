@@ -55,6 +55,7 @@ struct CommandLine {
   GalleryOptions gallery;
   bool thumbs = false;
   std::string material, path;
+  std::vector<int> only;
   BenchOptions bench;
   int threads = 0;
   GlBackend gl = GlBackend::automatic;
@@ -147,12 +148,13 @@ void add_remesh(CLI::App& app, CommandLine& line) {
   command->add_option("RUN", line.path, "Run directory that was written by rend run")->required();
   command->add_option("--set", line.set, "Replace a value of the scene, e.g. /fracture/gap=0.4 (repeatable)");
   add_output_options(*command, line);
+  command->add_option("--only", line.only, "Frame to write (repeatable); all frames by default");
   command->callback([&line] {
     line.action = [&line] {
       finish_output_options(line);
       line.run.output.record = false;
       line.scene = (std::filesystem::path(line.path) / "scene.json").string();
-      return remesh_run(line.read(), line.path, line.run.output);
+      return remesh_run(line.read(), line.path, line.run.output, line.only);
     };
   });
 }

@@ -45,22 +45,28 @@ Real stretch_or_default(const SceneDesc& scene) { return scene.fracture.stretch.
 
 void add_fracture(std::vector<Control>& controls, const SceneDesc& scene) {
   if (scene.fracture.break_test == BreakTest::gap) {
-    Control gap{"/fracture/gap", "Crack opening", "spacings", "Smaller shows finer cracks sooner.", "Fracture", 0.1, 2};
+    Control gap{"/fracture/gap", "Crack opening", "spacings", "Smaller shows finer cracks sooner.", "Fracture mesh", 0.1, 2};
     gap.get = [](const SceneDesc& s) { return s.fracture.gap; };
     gap.set = [](SceneDesc& s, Real value) { s.fracture.gap = value; };
     controls.push_back(std::move(gap));
   } else {
-    Control stretch{"/fracture/stretch", "Stretch threshold", "x", "Length over rest length.", "Fracture", 1.05, 4};
+    Control stretch{"/fracture/stretch", "Stretch threshold", "x", "Length over rest length.", "Fracture mesh", 1.05, 4};
     stretch.get = stretch_or_default;
     stretch.set = [](SceneDesc& s, Real value) { s.fracture.stretch = value; };
     controls.push_back(std::move(stretch));
   }
-  Control smoothing{"/fracture/smoothing_iterations", "Smoothing", "passes", "Smooths crack faces.", "Fracture", 0, 20};
+  Control smoothing{"/fracture/smoothing_iterations", "Smoothing", "passes", "Smooths crack faces.", "Fracture mesh", 0, 20};
   smoothing.whole = true;
   smoothing.get = [](const SceneDesc& s) { return static_cast<Real>(s.fracture.smoothing_iterations); };
   smoothing.set = [](SceneDesc& s, Real value) { s.fracture.smoothing_iterations = static_cast<int>(value); };
   controls.push_back(std::move(smoothing));
-  for (auto c = controls.end() - 2; c != controls.end(); ++c) c->applies = Applies::postprocess;
+  Control smallest{"/fracture/smallest_fragment", "Smallest fragment", "particles", "Smaller crumbs are not drawn.",
+                   "Fracture mesh", 1, 200};
+  smallest.whole = true;
+  smallest.get = [](const SceneDesc& s) { return static_cast<Real>(s.fracture.smallest_fragment); };
+  smallest.set = [](SceneDesc& s, Real value) { s.fracture.smallest_fragment = static_cast<int>(value); };
+  controls.push_back(std::move(smallest));
+  for (auto c = controls.end() - 3; c != controls.end(); ++c) c->applies = Applies::postprocess;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ Frame mesh_frame(FractureMesh& fracture, std::shared_ptr<const Snapshot> snapsho
   fracture.update(*snapshot);
   Frame frame;
   frame.surface = std::make_shared<SurfaceMesh>(fracture.surface(*snapshot));
+  frame.nearness = std::make_shared<std::vector<float>>(fracture.nearness());
   frame.fracture = fracture.report();
   frame.snapshot = std::move(snapshot);
   return frame;

@@ -16,6 +16,7 @@ namespace rend {
 struct Frame {
   std::shared_ptr<const Snapshot> snapshot;
   std::shared_ptr<const SurfaceMesh> surface;
+  std::shared_ptr<const std::vector<float>> nearness;  ///< #P share of the break threshold used up
   FractureReport fracture;
 };
 

@@ -98,7 +98,8 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   return 0;
 }
 
-int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_directory, const OutputOptions& options) {
+int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_directory, const OutputOptions& options,
+               const std::vector<int>& only) {
   const auto files = recorded_files(run_directory);
   const auto model = prepare_model(scene);
   const std::uint64_t wanted = fingerprint(*model);
@@ -108,10 +109,16 @@ int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_director
   ProgressLine line("remeshing");
   // First what breaks when, then the surfaces: crack faces are smoothed knowing how the run ends.
   FractureMesh live(scene, *model);
-  for (const auto& file : files) live.update(read_snapshot(file, wanted));
+  std::vector<std::vector<float>> nearness;
+  for (const auto& file : files) {
+    live.update(read_snapshot(file, wanted));
+    if (scene.render.color_by == "threshold") nearness.push_back(live.nearness());
+  }
   FractureMesh fracture = live.playback(live.break_table());
   for (std::size_t n = 0; n < files.size(); ++n) {
     auto snapshot = std::make_shared<const Snapshot>(read_snapshot(files[n], wanted));
+    if (!nearness.empty()) fracture.set_nearness(std::move(nearness[n]));
+    if (!only.empty() && std::find(only.begin(), only.end(), snapshot->frame) == only.end()) continue;
     directory.write(mesh_frame(fracture, std::move(snapshot)));
     line.show(static_cast<double>(n + 1) / static_cast<double>(files.size()),
               fmt::format("frame {} of {}, {} pieces", n + 1, files.size(), fracture.report().pieces));

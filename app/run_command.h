@@ -16,7 +16,8 @@ struct RunOptions {
 int run_scene(const SceneDesc& scene, const RunOptions& options);
 
 /// Makes surfaces and pictures again from the particles recorded in `run_directory`, with the fracture settings, camera
-/// and colours of `scene`; nothing is simulated. @throws Error when nothing was recorded or it does not fit.
-int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_directory, const OutputOptions& options);
+/// and colours of `scene`; nothing is simulated. `only` names the frames to write, empty is all. @throws Error when nothing was recorded or it does not fit.
+int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_directory, const OutputOptions& options,
+               const std::vector<int>& only = {});
 
 }  // namespace rend

@@ -22,7 +22,7 @@ struct Abandoned {};
 
 double bytes_of(const RecordedFrame& r) {
   const double particles = static_cast<double>(r.frame.snapshot->x.size());
-  return particles * (sizeof(Vec3) + sizeof(Vec3f) + 9) + r.frame.surface->vertex_count() * 76.0 +
+  return particles * (sizeof(Vec3) + sizeof(Vec3f) + 13) + r.frame.surface->vertex_count() * 80.0 +
          r.frame.surface->triangle_count() * 17.0;
 }
 

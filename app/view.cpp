@@ -15,7 +15,7 @@ namespace {
 
 /// Fields that exist both on surface vertices and on particles, in either order.
 struct Fields {
-  const std::vector<float>*damage, *stress;
+  const std::vector<float>*damage, *stress, *nearness;
   std::vector<float> speed;
 };
 
@@ -69,6 +69,10 @@ Coloring make_coloring(const std::string& color_by, Fields fields) {
     coloring.value = std::move(fields.speed);
     coloring.high = round_up(percentile(coloring.value, 0.98));
     coloring.caption = "Speed, m/s";
+  } else if (color_by == "threshold") {
+    coloring.map = ColorMap::cividis;
+    coloring.value = *fields.nearness;
+    coloring.caption = "Share of break threshold";
   }
   return coloring;
 }
@@ -90,7 +94,7 @@ View default_view(const SceneDesc& scene) {
 }
 
 const std::vector<std::string>& color_names() {
-  static const std::vector<std::string> names = {"damage", "stress", "speed", "piece", "yielded", "none"};
+  static const std::vector<std::string> names = {"damage", "stress", "speed", "threshold", "piece", "yielded", "none"};
   return names;
 }
 
@@ -127,10 +131,12 @@ Drawing make_drawing(const Stage& stage, const Frame& frame, const View& view) {
     for (const Vec3& x : snapshot.x) points->x.push_back(x.cast<float>());
     drawing.points = std::move(points);
     list.points = drawing.points.get();
+    static const std::vector<float> untested;
+    const std::vector<float>& nearness = frame.nearness ? *frame.nearness : untested;
     std::vector<float> speed;
     if (view.color_by == "speed")
       for (const Vec3f& v : snapshot.v) speed.push_back(v.norm());
-    list.coloring = make_coloring(view.color_by, {&snapshot.damage, &snapshot.stress, std::move(speed)});
+    list.coloring = make_coloring(view.color_by, {&snapshot.damage, &snapshot.stress, &nearness, std::move(speed)});
     if (view.color_by == "yielded") {
       list.coloring.value.assign(snapshot.yielded.begin(), snapshot.yielded.end());
       list.coloring.caption = "Yielded";
@@ -139,7 +145,7 @@ Drawing make_drawing(const Stage& stage, const Frame& frame, const View& view) {
     drawing.surface = frame.surface;
     list.surface = drawing.surface.get();
     const SurfaceMesh& surface = *frame.surface;
-    list.coloring = make_coloring(view.color_by, {&surface.damage, &surface.stress, surface.speed});
+    list.coloring = make_coloring(view.color_by, {&surface.damage, &surface.stress, &surface.nearness, surface.speed});
     if (view.color_by == "piece") {
       list.coloring.map = ColorMap::pieces;
       list.coloring.value.assign(surface.piece.begin(), surface.piece.end());

@@ -23,6 +23,13 @@ Real yield_strain(const MaterialDesc& material) {
   return uniaxial * surface.value[*tau_c] / material.youngs_modulus;
 }
 
+// Both ends of an edge remember the largest share.
+void raise(std::vector<float>& nearness, Index a, Index b, Real share) {
+  const float value = static_cast<float>(std::clamp(share, 0., 1.));
+  nearness[a] = std::max(nearness[a], value);
+  nearness[b] = std::max(nearness[b], value);
+}
+
 struct alignas(16) Point {
   float x, y, z, suspect;
 };
@@ -77,11 +84,11 @@ BreakCriterion::Suspects BreakCriterion::scan_edges(const Snapshot& snapshot,
         const Point& pb = points[t.edge_to[e]];
         const float dx = pb.x - pa.x, dy = pb.y - pa.y, dz = pb.z - pa.z;
         const float l2 = dx * dx + dy * dy + dz * dz;
-        // A broken edge has length +inf: both comparisons are false.
-        if (std::fabs(l2 - length2[e]) > 0.2f * length2[e]) {
+        // A broken edge has no positive length; one branch for both, for neither can be foretold.
+        if ((std::fabs(l2 - length2[e]) > 0.2f * length2[e]) & (length2[e] > 0)) {
           if (l2 > limit * length2[e])
             part.broken.push_back(e);
-          else if (by_gap && pa.suspect + pb.suspect > 0)
+          else if (!by_gap || pa.suspect + pb.suspect > 0)
             part.strained.push_back({a, t.edge_to[e]});
         }
       }
@@ -97,7 +104,7 @@ BreakCriterion::Suspects BreakCriterion::scan_edges(const Snapshot& snapshot,
 
 void BreakCriterion::find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
                                const std::vector<Edge>& strained, RotationField& rotations,
-                               std::vector<Index>& edges) const {
+                               Verdict& verdict) const {
   const TetTables& t = *tables_;
   std::vector<Index> looked_at;
   std::vector<std::uint8_t> marked(t.X.size(), 0);
@@ -137,20 +144,37 @@ void BreakCriterion::find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
       if (!marked[b] || crack.broken(e) || !(suspect(a) || suspect(b))) continue;
       const Mat3 R = 0.5 * (R_a + rotations.of(b).toRotationMatrix());
       const Real gap = (snapshot.x[b] - snapshot.x[a] - R * (t.X[b] - t.X[a])).norm();
-      if (gap > allowed(a, b)) edges.push_back(e);
+      const Real share = gap / allowed(a, b);
+      if (share > 1)
+        verdict.edges.push_back(e);
+      else
+        raise(verdict.nearness, a, b, share);
     }
   }
 }
 
-std::vector<Index> BreakCriterion::find(const Snapshot& snapshot, const CrackMesh& crack,
-                                        RotationField& rotations) const {
+void BreakCriterion::find_stretch_shares(const Snapshot& snapshot,
+                                         const std::vector<Edge>& strained,
+                                         std::vector<float>& nearness) const {
+  for (const auto& [a, b] : strained) {
+    const Real length = (tables_->X[b] - tables_->X[a]).norm();
+    const Real stretch = (snapshot.x[b] - snapshot.x[a]).norm() / length;
+    raise(nearness, a, b, (stretch - 1) / (stretch_[material_[a]] - 1));
+  }
+}
+
+BreakCriterion::Verdict BreakCriterion::find(const Snapshot& snapshot, const CrackMesh& crack,
+                                             RotationField& rotations) const {
   Suspects suspects = scan_edges(snapshot, crack);
-  if (!suspects.strained.empty())
-    find_gaps(snapshot, crack, suspects.strained, rotations, suspects.broken);
-  std::sort(suspects.broken.begin(), suspects.broken.end());
-  suspects.broken.erase(std::unique(suspects.broken.begin(), suspects.broken.end()),
-                        suspects.broken.end());
-  return std::move(suspects.broken);
+  Verdict verdict{std::move(suspects.broken), std::vector<float>(snapshot.x.size(), 0)};
+  if (settings_.break_test == BreakTest::stretch)
+    find_stretch_shares(snapshot, suspects.strained, verdict.nearness);
+  else if (!suspects.strained.empty())
+    find_gaps(snapshot, crack, suspects.strained, rotations, verdict);
+  std::vector<Index>& edges = verdict.edges;
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return verdict;
 }
 
 }  // namespace rend

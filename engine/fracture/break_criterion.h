@@ -21,10 +21,14 @@ class BreakCriterion {
 
   void set(const FractureDesc& settings);
 
-  /// Ids of edges to break now, ascending. `rotations` lends and keeps the rotations of the
-  /// particles it looks at.
-  std::vector<Index> find(const Snapshot& snapshot, const CrackMesh& crack,
-                          RotationField& rotations) const;
+  struct Verdict {
+    std::vector<Index> edges;  ///< ids of edges to break now, ascending
+    /// #P largest share of its threshold that an edge of the particle has used up, in [0, 1]: of
+    /// the allowed gap, or (stretch - 1) / (s - 1); 0 where lengths changed by less than a tenth.
+    std::vector<float> nearness;
+  };
+  /// `rotations` lends and keeps the rotations of the particles it looks at.
+  Verdict find(const Snapshot& snapshot, const CrackMesh& crack, RotationField& rotations) const;
 
   /// Stretch that breaks an edge in material `m`.
   Real stretch_of(std::size_t m) const { return stretch_[m]; }
@@ -37,7 +41,9 @@ class BreakCriterion {
   Suspects scan_edges(const Snapshot& snapshot, const CrackMesh& crack) const;
   void find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
                  const std::vector<Edge>& strained, RotationField& rotations,
-                 std::vector<Index>& edges) const;
+                 Verdict& verdict) const;
+  void find_stretch_shares(const Snapshot& snapshot, const std::vector<Edge>& strained,
+                           std::vector<float>& nearness) const;
 
   const TetTables* tables_;  // not owned
   FractureDesc settings_;

@@ -2,6 +2,7 @@
 #include "engine/fracture/fracture_mesh.h"
 
 #include "engine/core/error.h"
+#include "engine/core/stopwatch.h"
 #include "engine/fracture/break_criterion.h"
 #include "engine/fracture/crack_mesh.h"
 #include "engine/fracture/pieces.h"
@@ -25,11 +26,10 @@ Real seconds_since(Clock::time_point start) {
   return std::chrono::duration<Real>(Clock::now() - start).count();
 }
 
-// Seconds since `start`, which moves on to now.
-Real lap(Clock::time_point& start) {
-  const Real seconds = seconds_since(start);
-  start = Clock::now();
-  return seconds;
+// CPU seconds since `start`, which moves on to now.
+Real lap(Real& start) {
+  const Real before = std::exchange(start, cpu_seconds());
+  return start - before;
 }
 
 // A middle may still move while the crack grows through its tets; after so many updates it is
@@ -69,6 +69,7 @@ struct FractureMesh::State {
     update_of_record.clear();
     updates = 0;
     rotation_frame = -1;
+    nearness.clear();
   }
 
   void load(const BreakTable& table);
@@ -84,6 +85,7 @@ struct FractureMesh::State {
   std::optional<CrackMesh> crack;
   std::optional<Pieces> pieces;
   std::optional<RotationField> rotations;
+  std::vector<float> nearness;          // of the last update, or what a playback was given
   std::vector<Index> update_of_record;  // when each edge broke, in calls of update
   Index updates = 0;
   Index rotation_frame = -1;
@@ -151,7 +153,7 @@ std::vector<Index> FractureMesh::State::due(Index frame) const {
 }
 
 void FractureMesh::State::cut(std::span<const Index> edges, Index frame) {
-  auto start = Clock::now();
+  Real start = cpu_seconds();
   const auto first_new = static_cast<Index>(crack->broken_edges().size());
   crack->break_edges(edges, frame);
   stages.cut = lap(start);
@@ -239,9 +241,15 @@ void FractureMesh::update(const Snapshot& snapshot) {
   ++s.updates;
   s.last_frame = snapshot.frame;
   s.stages = {};
-  auto clock = start;
-  const std::vector<Index> edges =
-      s.playback ? s.due(snapshot.frame) : s.criterion.find(snapshot, *s.crack, *s.rotations);
+  Real clock = cpu_seconds();
+  std::vector<Index> edges;
+  if (s.playback) {
+    edges = s.due(snapshot.frame);
+  } else {
+    BreakCriterion::Verdict verdict = s.criterion.find(snapshot, *s.crack, *s.rotations);
+    edges = std::move(verdict.edges);
+    s.nearness = std::move(verdict.nearness);
+  }
   // A particle that comes loose at once keeps the turn it had with the neighbours it is losing.
   std::vector<Index> unknown;
   for (Index e : edges)
@@ -252,7 +260,7 @@ void FractureMesh::update(const Snapshot& snapshot) {
   s.rotations->fit_robust(unknown, snapshot.x, *s.crack);
   s.stages.test = lap(clock);
   s.cut(edges, snapshot.frame);
-  clock = Clock::now();
+  clock = cpu_seconds();
   s.turn(snapshot);
   s.stages.rotations = lap(clock);
   s.update_seconds = seconds_since(start);
@@ -270,16 +278,23 @@ void FractureMesh::surface(const Snapshot& snapshot, SurfaceMesh& mesh) const {
   const State& s = *state_;
   SurfaceTimes times;
   if (snapshot.frame == s.rotation_frame && snapshot.time == s.rotation_time) {
-    build_surface(*s.crack, *s.pieces, *s.rotations, s.setup->crease, snapshot, mesh, &times);
+    build_surface(*s.crack, *s.pieces, *s.rotations, s.setup->crease, snapshot, s.nearness,
+                  s.settings.smallest_fragment, mesh, &times);
   } else {
     RotationField rotations = *s.rotations;
     rotations.fit(s.crack->near_crack(), snapshot.x, *s.crack);
-    build_surface(*s.crack, *s.pieces, rotations, s.setup->crease, snapshot, mesh, &times);
+    build_surface(*s.crack, *s.pieces, rotations, s.setup->crease, snapshot, s.nearness,
+                  s.settings.smallest_fragment, mesh, &times);
   }
   s.surface_seconds = seconds_since(start);
   s.stages.positions = times.positions;
   s.stages.triangles = times.triangles;
   s.stages.normals = times.normals;
+}
+
+const std::vector<float>& FractureMesh::nearness() const { return state_->nearness; }
+void FractureMesh::set_nearness(std::vector<float> nearness) {
+  state_->nearness = std::move(nearness);
 }
 
 FractureReport FractureMesh::report() const {
@@ -297,7 +312,7 @@ FractureStages FractureMesh::stages() const { return state_->stages; }
 BreakTable FractureMesh::break_table() const {
   BreakTable table;
   for (const BrokenEdge& b : state_->crack->broken_edges()) {
-    table.edge.push_back({b.end[0], b.end[1]});
+    table.edge.push_back(state_->crack->ends(b));
     table.frame.push_back(b.frame);
   }
   for (Index p : state_->crack->near_crack())

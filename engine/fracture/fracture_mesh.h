@@ -21,7 +21,7 @@ struct FractureReport {
   Real seconds = 0;      ///< wall time of the last update and surface
 };
 
-/// Where the time of the last update and surface went, wall time [s]; for benchmarks.
+/// Where the time of the last update and surface went, CPU time of the process [s]; for benchmarks.
 struct FractureStages {
   Real test = 0;       ///< break test of all edges
   Real cut = 0;        ///< new copies and triangles of changed tets
@@ -73,6 +73,11 @@ class FractureMesh {
   SurfaceMesh surface(const Snapshot& snapshot) const;
   /// The same into `mesh`, whose memory is used again.
   void surface(const Snapshot& snapshot, SurfaceMesh& mesh) const;
+
+  /// #P share of the break threshold used up in the last update, see break_criterion.h; a playback
+  /// tests nothing and shows what it is given.
+  const std::vector<float>& nearness() const;
+  void set_nearness(std::vector<float> nearness);
 
   FractureReport report() const;
   FractureStages stages() const;

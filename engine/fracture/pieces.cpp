@@ -3,7 +3,6 @@
 #include "engine/fracture/pieces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace rend {
@@ -41,9 +40,15 @@ Pieces::Pieces(const TetTables& tables) : id_(tables.X.size()), root_(tables.X.s
   count_ = next_id_;
 }
 
+std::vector<Index> Pieces::sizes() const {
+  std::vector<Index> size(static_cast<std::size_t>(next_id_), 0);
+  for (Index id : id_) ++size[id];
+  return size;
+}
+
 void Pieces::update(const CrackMesh& crack) {
   const TetTables& tables = crack.tables();
-  join_all(tables, root_, [&](Index e) { return std::isinf(crack.edge_length2()[e]); });
+  join_all(tables, root_, [&](Index e) { return crack.broken(e); });
   std::vector<Index> size(id_.size(), 0);
   for (Index r : root_) ++size[r];
   std::vector<Index> heir(static_cast<std::size_t>(next_id_),

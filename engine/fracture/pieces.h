@@ -17,6 +17,8 @@ class Pieces {
   void update(const CrackMesh& crack);
   Index count() const { return count_; }
   Index of(Index particle) const { return id_[particle]; }
+  /// Particles of every piece by its id, 0 for ids that are gone. O(#P).
+  std::vector<Index> sizes() const;
 
  private:
   std::vector<Index> id_;    ///< #P

@@ -2,10 +2,10 @@
 #include "engine/fracture/surface_builder.h"
 
 #include "engine/core/parallel.h"
+#include "engine/core/stopwatch.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 
 namespace rend {
 
@@ -25,47 +25,64 @@ struct RigidMotion {
 class Builder {
  public:
   Builder(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
-          const std::vector<std::uint8_t>& crease, const Snapshot& snapshot, SurfaceMesh& surface)
+          const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
+          const std::vector<float>& nearness, Index smallest_piece, SurfaceMesh& surface)
       : crack_(crack),
         tables_(crack.tables()),
         pieces_(pieces),
         rotations_(rotations),
         crease_(crease),
         now_(snapshot),
+        nearness_(nearness),
         out_(surface),
-        skin_vertices_(static_cast<Index>(tables_.skin_particle.size())) {}
+        skin_vertices_(static_cast<Index>(tables_.skin_particle.size())) {
+    if (smallest_piece > 1) find_hidden(smallest_piece);
+  }
 
   SurfaceTimes run() {
-    using Clock = std::chrono::steady_clock;
-    const auto seconds = [](Clock::duration d) { return std::chrono::duration<Real>(d).count(); };
-    const auto start = Clock::now();
-    number_copies();
+    const Real start = cpu_seconds();
+    number_vertices();
     size_vertices();
     place_skin();
     place_copies();
-    const auto placed = Clock::now();
+    const Real placed = cpu_seconds();
     write_triangles();
-    const auto written = Clock::now();
+    const Real written = cpu_seconds();
     write_normals();
-    return {seconds(placed - start), seconds(written - placed), seconds(Clock::now() - written)};
+    return {placed - start, written - placed, cpu_seconds() - written};
   }
 
  private:
-  void number_copies() {
-    const auto& copies = crack_.copies();
-    vertex_count_ =
-        skin_vertices_ + static_cast<Index>(copies.size() - crack_.free_copies().size());
-    dense_ = crack_.free_copies().empty();
-    if (dense_) return;
-    vertex_of_copy_.resize(copies.size());
-    Index next = skin_vertices_;
-    for (std::size_t c = 0; c < copies.size(); ++c)
-      vertex_of_copy_[c] = copies[c].node < 0 ? -1 : next++;
+  void find_hidden(Index smallest_piece) {
+    const std::vector<Index> size = pieces_.sizes();
+    const Index largest = *std::max_element(size.begin(), size.end());
+    hidden_.resize(size.size());
+    for (std::size_t id = 0; id < size.size(); ++id) {
+      hidden_[id] = size[id] > 0 && size[id] < std::min(smallest_piece, largest);
+      any_hidden_ |= hidden_[id] != 0;
+    }
   }
 
-  Index vertex(Index corner) const {
-    return dense_ || corner < skin_vertices_ ? corner : vertex_of_copy_[corner - skin_vertices_];
+  bool hidden(Index particle) const { return any_hidden_ && hidden_[pieces_.of(particle)]; }
+
+  void number_vertices() {
+    const auto& copies = crack_.copies();
+    dense_ = crack_.free_copies().empty() && !any_hidden_;
+    shown_skin_ = skin_vertices_;
+    vertex_count_ = skin_vertices_ + static_cast<Index>(copies.size());
+    if (dense_) return;
+    vertex_of_corner_.resize(static_cast<std::size_t>(vertex_count_));
+    vertex_count_ = 0;
+    for (Index v = 0; v < skin_vertices_; ++v)
+      vertex_of_corner_[v] = hidden(tables_.skin_particle[v]) ? -1 : vertex_count_++;
+    shown_skin_ = vertex_count_;
+    for (std::size_t c = 0; c < copies.size(); ++c)
+      vertex_of_corner_[skin_vertices_ + c] =
+          copies[c].node < 0 || hidden(copies[c].member[0]) ? -1 : vertex_count_++;
   }
+
+  /// -1 for a corner that is not shown.
+  Index vertex(Index corner) const { return dense_ ? corner : vertex_of_corner_[corner]; }
 
   void size_vertices() {
     out_.x.resize(vertex_count_);
@@ -74,21 +91,25 @@ class Builder {
     out_.damage.resize(vertex_count_);
     out_.stress.resize(vertex_count_);
     out_.speed.resize(vertex_count_);
+    out_.nearness.resize(vertex_count_);
     out_.crease.resize(vertex_count_);
   }
 
   float damage(Index p) const { return now_.damage.empty() ? 0 : now_.damage[p]; }
   float stress(Index p) const { return now_.stress.empty() ? 0 : now_.stress[p]; }
+  float nearness(Index p) const { return nearness_.empty() ? 0 : nearness_[p]; }
   float speed(Index p) const { return now_.v.empty() ? 0 : now_.v[p].norm(); }
 
   void place_skin() {
-    parallel_for(skin_vertices_, grain, [&](Index v) {
-      const Index p = tables_.skin_particle[v];
+    parallel_for(skin_vertices_, grain, [&](Index corner) {
+      const Index p = tables_.skin_particle[corner], v = vertex(corner);
+      if (v < 0) return;
       out_.x[v] = now_.x[p];
       out_.rest[v] = tables_.X[p];
       out_.damage[v] = damage(p);
       out_.stress[v] = stress(p);
       out_.speed[v] = speed(p);
+      out_.nearness[v] = nearness(p);
       out_.crease[v] = crease_.empty() ? 0 : crease_[p];
     });
   }
@@ -103,24 +124,25 @@ class Builder {
     const auto& copies = crack_.copies();
     parallel_for(static_cast<Index>(copies.size()), grain, [&](Index c) {
       const VertexCopy& copy = copies[c];
-      if (copy.node < 0) return;
       const Index v = vertex(skin_vertices_ + c);
+      if (v < 0) return;
       const Vec3& rest = crack_.nodes()[copy.node];
       out_.rest[v] = rest;
       out_.crease[v] = copy.on_skin;
       Vec3 x = Vec3::Zero();
-      float d = 0, s = 0, w = 0;
+      float d = 0, s = 0, w = 0, n = 0;
       int members = 0;
       for (; members < 4 && copy.member[members] >= 0; ++members) {
         const Index p = copy.member[members];
         x += copy.tip ? now_.x[p] : motion_[rotations_.slot(p)](rest);
-        d += damage(p), s += stress(p), w += speed(p);
+        d += damage(p), s += stress(p), w += speed(p), n += nearness(p);
       }
       const float share = 1.f / static_cast<float>(members);
       out_.x[v] = x / members;
       out_.damage[v] = d * share;
       out_.stress[v] = s * share;
       out_.speed[v] = w * share;
+      out_.nearness[v] = n * share;
     });
   }
 
@@ -128,29 +150,31 @@ class Builder {
     std::size_t count = 0;
     for (const auto& cut : crack_.skin_cuts())
       count += cut.triangles.count > 0 ? cut.triangles.count : 1;
-    skin_triangles_ = static_cast<Index>(count);
     for (const auto& cracked : crack_.cracked()) count += cracked.triangles.count;
     out_.triangles.resize(count);
-    out_.interior.assign(count, 1);
-    std::fill_n(out_.interior.begin(), skin_triangles_, std::uint8_t(0));
     out_.piece.resize(count);
     Index at = 0;
+    const auto add = [&](const Triangle& t, Index particle) {
+      if (hidden(particle)) return;
+      out_.piece[at] = pieces_.of(particle);
+      out_.triangles[at++] = {vertex(t[0]), vertex(t[1]), vertex(t[2])};
+    };
     const auto write = [&](const CrackMesh::Range& range) {
-      for (const CutTriangle& t : crack_.triangles_of(range)) {
-        out_.piece[at] = pieces_.of(t.owner);
-        out_.triangles[at++] = {vertex(t.corner[0]), vertex(t.corner[1]), vertex(t.corner[2])};
-      }
+      for (const CutTriangle& t : crack_.triangles_of(range)) add(t, crack_.particle_of(t[0]));
     };
     for (Index i = 0; i < tables_.skin_count(); ++i) {
       const auto& range = crack_.skin_cuts()[i].triangles;
-      if (range.count > 0) {
+      if (range.count > 0)
         write(range);
-        continue;
-      }
-      out_.piece[at] = pieces_.of(tables_.skin_particle[tables_.skin_uncut[i][0]]);
-      out_.triangles[at++] = tables_.skin_uncut[i];
+      else
+        add(tables_.skin_uncut[i], tables_.skin_particle[tables_.skin_uncut[i][0]]);
     }
+    skin_triangles_ = at;
     for (const auto& cracked : crack_.cracked()) write(cracked.triangles);
+    out_.triangles.resize(static_cast<std::size_t>(at));
+    out_.piece.resize(static_cast<std::size_t>(at));
+    out_.interior.assign(static_cast<std::size_t>(at), 1);
+    std::fill_n(out_.interior.begin(), skin_triangles_, std::uint8_t(0));
   }
 
   // Skin and crack faces do not average over their rim: there, the skin decides and the corner is
@@ -165,7 +189,7 @@ class Builder {
       const Vec3f n = u.cross(v);
       const Eigen::Vector4f weighted(n.x(), n.y(), n.z(), n.norm());
       for (Index k : t)
-        if (!interior || (k >= skin_vertices_ && !on_rim(k))) sum[k] += weighted;
+        if (!interior || (k >= shown_skin_ && !on_rim(k))) sum[k] += weighted;
     };
     for (Index i = 0; i < skin_triangles_; ++i) add(i, false);
     rim_known_ = true;
@@ -173,7 +197,7 @@ class Builder {
     parallel_for(vertex_count_, grain, [&](Index v) {
       const Vec3f n = sum[v].head<3>();
       const float length = n.norm();
-      const float fold = v < skin_vertices_ || out_.crease[v] ? skin_fold : crack_fold;
+      const float fold = v < shown_skin_ || out_.crease[v] ? skin_fold : crack_fold;
       if (length < fold * sum[v][3]) out_.crease[v] = 1;
       out_.normal[v] = length > 0 ? Vec3f(n / length) : Vec3f::UnitY();
     });
@@ -188,13 +212,17 @@ class Builder {
   const RotationField& rotations_;
   const std::vector<std::uint8_t>& crease_;
   const Snapshot& now_;
+  const std::vector<float>& nearness_;
   SurfaceMesh& out_;
   Index skin_vertices_;
+  Index shown_skin_ = 0;
   Index vertex_count_ = 0;
   Index skin_triangles_ = 0;
   bool dense_ = true;
+  bool any_hidden_ = false;
   bool rim_known_ = false;
-  std::vector<Index> vertex_of_copy_;
+  std::vector<std::uint8_t> hidden_;  // by piece id
+  std::vector<Index> vertex_of_corner_;
   std::vector<RigidMotion> motion_;
 };
 
@@ -202,8 +230,10 @@ class Builder {
 
 void build_surface(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
                    const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
-                   SurfaceMesh& surface, SurfaceTimes* times) {
-  const SurfaceTimes spent = Builder(crack, pieces, rotations, crease, snapshot, surface).run();
+                   const std::vector<float>& nearness, Index smallest_piece, SurfaceMesh& surface,
+                   SurfaceTimes* times) {
+  const SurfaceTimes spent =
+      Builder(crack, pieces, rotations, crease, snapshot, nearness, smallest_piece, surface).run();
   if (times) *times = spent;
 }
 

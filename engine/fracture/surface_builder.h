@@ -12,17 +12,19 @@
 
 namespace rend {
 
-/// Wall time of the three sweeps [s].
+/// CPU time of the three sweeps [s].
 struct SurfaceTimes {
   Real positions = 0, triangles = 0, normals = 0;
 };
 
 /// A copy lies at the mean of x_a + R_a (X - X_a) over its members a, a crack tip at the barycentre
-/// of its face, a skin vertex at its particle; damage, stress and speed are means over members.
-/// Crack tips and cuts open continuously from zero. Fills `surface`, reusing its memory. O(#V +
-/// #T).
+/// of its face, a skin vertex at its particle; damage, stress, speed and `nearness` (#P, or empty)
+/// are means over members. Crack tips and cuts open continuously from zero. Pieces of fewer than
+/// `smallest_piece` particles are left out, but for the largest. Fills `surface`, reusing its
+/// memory. O(#V + #T).
 void build_surface(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
                    const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
-                   SurfaceMesh& surface, SurfaceTimes* times = nullptr);
+                   const std::vector<float>& nearness, Index smallest_piece, SurfaceMesh& surface,
+                   SurfaceTimes* times = nullptr);
 
 }  // namespace rend

@@ -16,9 +16,10 @@ struct SurfaceMesh {
   std::vector<Vec3> rest;  ///< rest positions [m]
   std::vector<Vec3f>
       normal;  ///< smooth unit normals that do not average over creases or crack rims
-  std::vector<float> damage;  ///< [-]
-  std::vector<float> stress;  ///< largest principal Kirchhoff stress [Pa]
-  std::vector<float> speed;   ///< [m/s]
+  std::vector<float> damage;    ///< [-]
+  std::vector<float> stress;    ///< largest principal Kirchhoff stress [Pa]
+  std::vector<float> speed;     ///< [m/s]
+  std::vector<float> nearness;  ///< share of the break threshold used up [-], see break_criterion.h
   std::vector<std::uint8_t>
       crease;  ///< 1 where corners need normals of their own (sharp edge or crack rim)
   std::vector<Triangle> triangles;     ///< counter-clockwise seen from outside

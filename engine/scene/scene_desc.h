@@ -112,6 +112,7 @@ struct FractureDesc {
   std::optional<Real> stretch;   ///< edge stretch that breaks an edge [-]; empty is "auto"
   Real gap = 0.5;                ///< rigid gap that breaks an edge, in mean edge lengths [-]
   int smoothing_iterations = 5;
+  int smallest_fragment = 1;     ///< fragments of fewer particles are left out of the surface
   bool operator==(const FractureDesc&) const = default;
 };
 

@@ -13,7 +13,7 @@ constexpr const char* kKernels[] = {"quadratic", "cubic"};
 constexpr const char* kForceForms[] = {"mls", "gradient"};
 constexpr const char* kUpdates[] = {"exponential", "linear"};
 constexpr const char* kBreakTests[] = {"gap", "stretch"};
-constexpr const char* kColors[] = {"none", "damage", "stress", "speed", "piece", "yielded"};
+constexpr const char* kColors[] = {"none", "damage", "stress", "speed", "threshold", "piece", "yielded"};
 constexpr std::int64_t kPolypicModes[] = {1, 4, 8};
 constexpr std::int64_t kLargestExact = (std::int64_t{1} << 53) - 1;
 
@@ -58,6 +58,8 @@ void describe_fracture(FieldVisitor& v, FractureDesc& f) {
            {"-", 0.001, 1000});
   whole(v, {"smoothing_iterations", "Gauss-Seidel passes over the crack surface at rest"},
         f.smoothing_iterations, 0, 1000);
+  whole(v, {"smallest_fragment", "fragments of fewer particles are left out of the surface"},
+        f.smallest_fragment, 1, 1000000);
 }
 
 void describe_camera(FieldVisitor& v, CameraDesc& c) {

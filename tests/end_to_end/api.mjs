@@ -7,6 +7,7 @@ import { RendServer } from "./server.mjs";
 const binary = process.env.REND_BINARY;
 const root = process.env.REND_ROOT;
 const threshold = "/materials/clay/yield_surface/tau_c";
+let low;
 let server;
 
 before(async () => {
@@ -74,6 +75,7 @@ test("with its own threshold the bar tears, with a high one it holds", { timeout
   assert.ok(torn.pieces >= 2, `${torn.pieces} pieces`);
   const { parameters } = (await server.get("/api/parameters")).body;
   const high = parameters.find((p) => p.id === threshold).max;
+  low = parameters.find((p) => p.id === threshold).default;
   await server.send("POST", "/api/actions/reset");
   await server.until((s) => s.frame === 0);
   await server.send("POST", "/api/actions/play");
@@ -82,6 +84,29 @@ test("with its own threshold the bar tears, with a high one it holds", { timeout
   assert.equal(changed.status, 200);
   const whole = await server.until(finished, 400);
   assert.equal(whole.pieces, 1);
+});
+
+test("recorded frames are meshed again with other settings, and show what is close to breaking", async () => {
+  const finished = (s) => s.status === "finished" || s.status === "stopped";
+  await server.send("PATCH", "/api/parameters", { values: { [threshold]: low } });
+  await server.send("POST", "/api/actions/reset");
+  await server.until((s) => s.frame === 0);
+  await server.send("POST", "/api/actions/play");
+  const torn = await server.until(finished, 400);
+  assert.ok(torn.broken_edges > 0);
+  const frame = torn.frame - 5;
+  const picture = (color) => server.get(`/api/frame.jpg?w=320&h=200&frame=${frame}&color=${color}`);
+  const before = await picture("threshold");
+  assert.match(before.headers.get("x-legend"), /^0;1;Share of break threshold$/);
+  const mesh = async () => Buffer.from((await server.get(`/api/frames/${frame}/mesh.ply`)).body);
+  const first = await mesh();
+  assert.equal((await server.send("PATCH", "/api/parameters", { values: { "/fracture/gap": 1.9 } })).status, 200);
+  const after = await server.until((s) => s.broken_edges < torn.broken_edges);
+  assert.equal(after.frame, torn.frame, "nothing was simulated again");
+  assert.equal(after.status, torn.status);
+  assert.ok(!first.equals(await mesh()), "frames before the last are meshed again too");
+  const renewed = await picture("threshold");
+  assert.notEqual(renewed.headers.get("x-token"), before.headers.get("x-token"));
 });
 
 test("SIGTERM ends the server within 2 s", async () => {

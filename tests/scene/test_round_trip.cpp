@@ -37,6 +37,7 @@ class SceneDraw {
     if (flip()) s.fracture.stretch = number(1.1, 3);
     s.fracture.gap = number(0.1, 2);
     s.fracture.smoothing_iterations = count(20);
+    s.fracture.smallest_fragment = 1 + count(20);
     s.camera = {vector(1) + Vec3(5, 0, 0), vector(1), number(10, 90)};
     s.render.color_by = flip() ? "stress" : "none";
     s.render.particles = flip();

@@ -10,6 +10,7 @@ const LEGENDS = {
   damage: { caption: "Damage", ramp: DAMAGE },
   stress: { caption: "Largest stress", ramp: CIVIDIS },
   speed: { caption: "Speed", ramp: CIVIDIS },
+  threshold: { caption: "Share of break threshold", ramp: CIVIDIS },
   yielded: {
     caption: "Yielded",
     swatches: [

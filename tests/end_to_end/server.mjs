@@ -2,6 +2,9 @@
 import { spawn } from "node:child_process";
 import { once } from "node:events";
 
+/// How many times longer to wait than usual: sanitizers slow the program down.
+export const patience = Number(process.env.REND_TEST_PATIENCE ?? 1);
+
 export class RendServer {
   static async start(binary, root, scene = "tear") {
     const started = performance.now();
@@ -44,7 +47,7 @@ export class RendServer {
 
   // Follows /api/state until `done(state)`; fails after `seconds`.
   async until(done, seconds = 240) {
-    const deadline = Date.now() + 1000 * seconds;
+    const deadline = Date.now() + 1000 * patience * seconds;
     let state = (await this.get("/api/state")).body;
     while (!done(state)) {
       if (Date.now() > deadline) throw new Error(`waited ${seconds} s in vain: ${JSON.stringify(state)}`);

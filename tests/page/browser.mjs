@@ -53,9 +53,12 @@ export async function picture_of(page, name) {
   if (artifacts) await page.screenshot({ path: join(artifacts, `${name}.png`) });
 }
 
+/// How many times longer to wait than usual: sanitizers slow the program down.
+const patience = Number(process.env.REND_TEST_PATIENCE ?? 1);
+
 /// Waits until `check()` is true and says what was waited for when it never is.
 export async function until(what, check, milliseconds = 15000) {
-  const end = Date.now() + milliseconds;
+  const end = Date.now() + patience * milliseconds;
   while (Date.now() < end) {
     if (await check()) return;
     await new Promise((done) => setTimeout(done, 30));

@@ -23,7 +23,7 @@ REND_LAW_BEGIN()
 struct Rankine {
   static constexpr const char* kName = "rankine";
   static constexpr std::array<Parameter, 2> kParameters{{
-      {"tau_c", "Tensile strength", "Pa", 0, 1e12, std::numeric_limits<Real>::quiet_NaN(),
+      {"tau_c", "Yield threshold", "Pa", 0, 1e12, std::numeric_limits<Real>::quiet_NaN(),
        "Largest principal Kirchhoff stress that the intact material carries."},
       {"softening", "Softening", "Pa", -1e12, 1e12, 0,
        "Loss of strength per unit of plastic principal strain; negative hardens."},

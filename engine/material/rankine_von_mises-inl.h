@@ -18,7 +18,7 @@ REND_LAW_BEGIN()
 struct RankineVonMises {
   static constexpr const char* kName = "rankine_von_mises";
   static constexpr std::array<Parameter, 3> kParameters{{
-      {"tau_c", "Tensile strength", "Pa", 0, 1e12, std::numeric_limits<Real>::quiet_NaN(),
+      {"tau_c", "Yield threshold", "Pa", 0, 1e12, std::numeric_limits<Real>::quiet_NaN(),
        "Largest principal Kirchhoff stress that the intact material carries."},
       {"softening", "Softening", "Pa", -1e12, 1e12, 0,
        "Loss of tensile strength per unit of plastic strain; negative hardens."},

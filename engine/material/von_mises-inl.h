@@ -21,7 +21,7 @@ REND_LAW_BEGIN()
 struct VonMises {
   static constexpr const char* kName = "von_mises";
   static constexpr std::array<Parameter, 2> kParameters{{
-      {"tau_c", "Shear strength", "Pa", 0, 1e12, std::numeric_limits<Real>::quiet_NaN(),
+      {"tau_c", "Yield threshold", "Pa", 0, 1e12, std::numeric_limits<Real>::quiet_NaN(),
        "Frobenius norm of the deviatoric Kirchhoff stress that the intact material carries."},
       {"softening", "Softening", "Pa", -1e12, 1e12, 0,
        "Loss of strength per unit of plastic strain; negative hardens."},

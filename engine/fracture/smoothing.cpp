@@ -13,6 +13,7 @@ namespace {
 constexpr Real t_min = 0.05, t_max = 0.95;
 // Less than a whole step: a plane gets smooth almost as fast, a wavy face keeps more of its waves.
 constexpr Real relaxation = 0.75;
+constexpr Real crumb_share = 0.5;
 
 Real whole_share(const CrackMesh& crack, Index p) {
   const TetTables& tables = crack.tables();
@@ -29,7 +30,10 @@ Real whole_share(const CrackMesh& crack, Index p) {
     const Real w = weight(b);
     sum -= w, total += w;
   }
-  return std::max(0.02, sum / total);
+  const Real whole = sum / total;
+  // Torn from most of its neighbours it is a crumb, which keeps its size: drawn to nothing beside
+  // whole matter but not beside other crumbs, it would be a star.
+  return std::max(0.02, whole > 0 ? whole : -crumb_share * whole);
 }
 
 // The other two nodes of every triangle around each middle, both sides of the crack, side of the

@@ -215,3 +215,37 @@ TEST_CASE("threads do not change a bit") {
   CHECK(result[0].triangles == result[1].triangles);
   CHECK(std::equal(result[0].normal.begin(), result[0].normal.end(), result[1].normal.begin()));
 }
+
+TEST_CASE("while nothing breaks no vertex moves further than the particles around it") {
+  const Model model = kuhn_box({8, 5, 5}, {1.6, 1, 1}, .25, 17);
+  FractureMesh mesh = FractureMesh(plain_scene(), model).playback(random_table(model, .2, 8));
+  const Real reach = 2 * mesh.crack().tables().mean_edge[0];
+  // Bends, twists and stretches at once, a little further in every frame.
+  const auto bent = [](Real amount) {
+    return [amount](const Vec3& X) {
+      const Eigen::AngleAxisd twist(amount * X.x(), Vec3::UnitX());
+      return Vec3(twist * X + amount * Vec3(.3 * X.x() * X.y(), .2 * std::sin(4 * X.x()), 0));
+    };
+  };
+  SurfaceMesh before;
+  Snapshot old;
+  for (int f = 0; f < 5; ++f) {
+    const Snapshot now = moved(model, bent(.1 * f), f);
+    mesh.update(now);
+    const SurfaceMesh surface = mesh.surface(now);
+    if (f > 0) {
+      REQUIRE(surface.x.size() == before.x.size());
+      Real worst = 0;
+      for (std::size_t v = 0; v < surface.x.size(); ++v) {
+        Real around = 0;
+        for (std::size_t p = 0; p < model.X.size(); ++p)
+          if ((model.X[p] - surface.rest[v]).norm() < reach)
+            around = std::max(around, (now.x[p] - old.x[p]).norm());
+        worst = std::max(worst, (surface.x[v] - before.x[v]).norm() / around);
+      }
+      CHECK(worst <= 1.001);
+    }
+    before = surface;
+    old = now;
+  }
+}

@@ -172,6 +172,33 @@ TEST_CASE(
   }
 }
 
+TEST_CASE(
+    "random cracks: every middle between its particles, every rim on the skin it was cut from") {
+  const Model model = kuhn_box({8, 8, 8}, {1, 1, 1}, .25, 33);
+  SceneDesc scene = plain_scene();
+  for (int smoothing : {2, 5, 20}) {
+    scene.fracture.smoothing_iterations = smoothing;
+    std::vector<Edge> edges = edges_of(model);
+    std::erase_if(edges, [&](const Edge& e) { return (7 * e[0] + 3 * e[1]) % 10 >= 3; });
+    FractureMesh mesh(scene, model, table_of(edges));
+    const Snapshot rest = moved(model, stay);
+    mesh.update(rest);
+    for (const BrokenEdge& b : mesh.crack().broken_edges())
+      REQUIRE(std::abs(b.t - .5) <= .45 + 1e-12);
+    const SurfaceMesh s = mesh.surface(rest);
+    const auto to_skin = [](const Vec3& X) {
+      return std::min(X.cwiseAbs().minCoeff(), (Vec3::Ones() - X).cwiseAbs().minCoeff());
+    };
+    Real worst = 0;
+    std::size_t rim = 0;
+    for (Index i = 0; i < s.triangle_count(); ++i)
+      if (!s.interior[i])
+        for (Index v : s.triangles[i]) worst = std::max(worst, to_skin(s.rest[v])), ++rim;
+    CHECK(rim > 1000);
+    CHECK(worst < 1e-14);
+  }
+}
+
 TEST_CASE("live, a crack vertex rests after three frames") {
   const Model model = kuhn_box({8, 8, 8}, {1, 1, 1}, .25, 33);
   FractureMesh mesh(plain_scene(), model);

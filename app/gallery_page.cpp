@@ -73,9 +73,10 @@ std::string comparison_section(const Comparison& comparison,
     names += " " + entry->name + " |";
     rule += "---|";
     stills += fmt::format(" ![{0}]({1}{0}.jpg) |", entry->name, folder_of(*entry));
-    notes += fmt::format("- **{}**: {}\n", entry->name, entry->description);
+    notes += fmt::format("\n**{0}**: {1}\n\n![{0}, five frames]({2}{0}_strip.jpg)\n", entry->name,
+                         entry->description, folder_of(*entry));
   }
-  return fmt::format("\n## {}\n\n{}\n\n{}\n{}\n{}\n\n{}", comparison.title, comparison.lesson,
+  return fmt::format("\n## {}\n\n{}\n\n{}\n{}\n{}\n{}", comparison.title, comparison.lesson,
                      names, rule, stills, notes);
 }
 

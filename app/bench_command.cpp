@@ -4,6 +4,7 @@
 #include "bench/bench_fracture.h"
 #include "bench/bench_render.h"
 #include "bench/bench_solver.h"
+#include "bench/bench_variants.h"
 #include "bench/bench_worst_cases.h"
 #include "engine/core/error.h"
 
@@ -39,6 +40,8 @@ void run_bench(const BenchOptions& options) {
   const File csv = open_csv(options.csv);
   if (options.name == "solver") {
     print_solver_bench(bench_solver(options.quick, stderr), stdout, csv.get());
+    print_variants("tile solver, features", bench_features(options.quick, stderr), stdout);
+    print_variants("tile solver, sizes", bench_sizes(options.quick, stderr), stdout);
     print_worst_cases(bench_worst_cases(options.quick), stdout);
   } else if (options.name == "fracture") {
     const std::vector<Index> sizes = options.quick ? std::vector<Index>{4000, 60000}

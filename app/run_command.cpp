@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-std::shared_ptr<const Model> prepare_model(const SceneDesc& scene) {
+std::shared_ptr<Model> prepare_model(const SceneDesc& scene) {
   const Clock::time_point start = Clock::now();
   ProgressLine line("preparing");
   auto model = std::make_shared<Model>(
@@ -76,6 +76,8 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   fmt::print(stderr, "{}\n", pipeline.solver_choice());
   const Stage stage = make_stage(scene, *model);
   RunDirectory directory(options.output, stage, *model);
+  // The fracture mesh has tables of its own.
+  model->tets = {};
   const Clock::time_point start = Clock::now();
   EnergyWatch energy;
   ProgressLine line("running");

@@ -14,12 +14,12 @@ class AlignedFloats {
   const float* data() const { return data_.get(); }
   std::size_t size() const { return size_; }
 
-  /// Makes room for `count` floats, an eighth more when it has to grow.
+  /// Makes room for `count` floats, a 32nd more when it has to grow.
   void reserve(std::size_t count) {
     if (count <= size_) return;
     data_.reset();
     size_ = 0;
-    const std::size_t padded = (count + count / 8 + 15) / 16 * 16;
+    const std::size_t padded = (count + count / 32 + 15) / 16 * 16;
     data_.reset(new (std::align_val_t(64)) float[padded]);
     size_ = padded;
   }

@@ -95,9 +95,13 @@ BreakCriterion::Suspects BreakCriterion::scan_edges(const Snapshot& snapshot,
     }
   });
   Suspects all;
-  for (const Suspects& part : parts) {
+  std::size_t strained = 0;
+  for (const Suspects& part : parts) strained += part.strained.size();
+  all.strained.reserve(strained);
+  for (Suspects& part : parts) {
     all.broken.insert(all.broken.end(), part.broken.begin(), part.broken.end());
     all.strained.insert(all.strained.end(), part.strained.begin(), part.strained.end());
+    part = {};
   }
   return all;
 }

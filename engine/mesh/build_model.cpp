@@ -100,6 +100,7 @@ void append(const SceneDesc& scene, std::size_t b, const Body& body, Model& mode
   model.crease.insert(model.crease.end(), body.crease.begin(), body.crease.end());
   model.body.resize(model.X.size(), std::uint16_t(b));
   model.material.resize(model.X.size(), std::uint16_t(desc.material));
+  model.tets.reserve(model.tets.size() + body.tets.size());
   for (const Tet& t : body.tets)
     model.tets.push_back({t[0] + first, t[1] + first, t[2] + first, t[3] + first});
   for (const Triangle& t : body.skin)

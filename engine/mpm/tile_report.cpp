@@ -364,15 +364,19 @@ void TileSolver::measure_motion() {
 
 std::string TileSolver::describe() const {
   const char* transfers[] = {"pic", "flip", "apic", "rpic"};
-  return fmt::format("tile solver, float, {}, {}, quadratic kernel, mls force", kernels_->name,
-                     transfers[static_cast<int>(scene_.solver.transfer)]);
+  std::string features = "strain";
+  if (store_.layout().tau_c >= 0) features += ", threshold";
+  if (store_.layout().tau_c0 >= 0) features += ", initial threshold";
+  if (!mesh_.empty()) features += fmt::format(", {} elements", mesh_.element_count());
+  return fmt::format("tile solver, float, {}, {}, quadratic kernel, mls force; particles carry {}",
+                     kernels_->name, transfers[static_cast<int>(scene_.solver.transfer)], features);
 }
 
 double TileSolver::bytes_per_particle() const {
   const double bytes = static_cast<double>(
       store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() + lone_.bytes() +
       static_cast<std::size_t>(mesh_.bytes()) + run_extremes_.capacity() * sizeof(RunExtremes) +
-      strength_.size() * sizeof(float) + material_of_.size() * sizeof(std::uint16_t));
+      strength_.size() * sizeof(float));
   return bytes / std::max<double>(1, store_.particle_count());
 }
 

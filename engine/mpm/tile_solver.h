@@ -155,7 +155,6 @@ class TileSolver : public Solver {
   /// Of the scene; with mesh forces once more, for vertices of elements.
   std::vector<Material> materials_;
   std::vector<float> strength_;
-  std::vector<std::uint16_t> material_of_;  ///< by id
   std::uint64_t scene_hash_ = 0;
 
   TileStore store_;

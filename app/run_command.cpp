@@ -76,8 +76,9 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   fmt::print(stderr, "{}\n", pipeline.solver_choice());
   const Stage stage = make_stage(scene, *model);
   RunDirectory directory(options.output, stage, *model);
-  // The fracture mesh has tables of its own.
+  // Solver and fracture mesh have tables of their own.
   model->tets = {};
+  model->velocity = {};
   const Clock::time_point start = Clock::now();
   EnergyWatch energy;
   ProgressLine line("running");

@@ -257,14 +257,14 @@ std::vector<SolverBenchRow> bench_solver(bool quick, std::FILE* progress) {
   std::map<std::string, double> instructions;
   if (!quick) {
     tell("instructions of one step, counted one by one");
-    const Model small = bench_model(8);
+    const Model small = bench_model(6);
     for (const char* surface : {"von_mises", "rankine"})
       for (const TileKernels* kernels : all_tile_kernels())
         instructions[std::string("tile") + kernels->name + surface] =
             tile_instructions(bench_scene(surface), small, kernels);
     if (textbook_runs_here())
       instructions["textbookvon_mises"] =
-          textbook_instructions(bench_scene("von_mises"), bench_model(4));
+          textbook_instructions(bench_scene("von_mises"), bench_model(3));
   }
   std::vector<SolverBenchRow> rows;
   const std::vector<int> threads = quick ? std::vector<int>{1} : std::vector<int>{1, 2};

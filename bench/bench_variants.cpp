@@ -48,7 +48,7 @@ std::vector<SolverVariantRow> bench_features(bool quick, std::FILE* progress) {
   set_thread_count(1);
   const int cells = quick ? 12 : 23;
   const Index steps = 40;
-  const Model model = bench_model(cells), few = bench_model(8);
+  const Model model = bench_model(cells), few = bench_model(6);
   const Model* small = quick ? nullptr : &few;
   const auto add = [&](const std::string& name, const SceneDesc& scene) {
     rows.push_back(measured(name, scene, model, small, steps, progress));

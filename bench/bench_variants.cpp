@@ -29,9 +29,8 @@ std::pair<SceneDesc, Model> mesh_problem(SceneDesc scene, int cells) {
 }
 
 SolverVariantRow measured(const std::string& name, const SceneDesc& scene, const Model& model,
-                          const Model* small, Index steps, std::FILE* progress) {
+                          Index steps, std::FILE* progress) {
   SolverVariantRow out{name, run_tile(scene, model, tile_kernels(), steps), 1};
-  if (small) out.row.instructions = tile_instructions(scene, *small, tile_kernels());
   if (progress) fmt::print(progress, "  {}: {:.1f} ns\n", name, out.row.cpu_ns);
   return out;
 }
@@ -48,10 +47,9 @@ std::vector<SolverVariantRow> bench_features(bool quick, std::FILE* progress) {
   set_thread_count(1);
   const int cells = quick ? 12 : 23;
   const Index steps = 40;
-  const Model model = bench_model(cells), few = bench_model(6);
-  const Model* small = quick ? nullptr : &few;
+  const Model model = bench_model(cells);
   const auto add = [&](const std::string& name, const SceneDesc& scene) {
-    rows.push_back(measured(name, scene, model, small, steps, progress));
+    rows.push_back(measured(name, scene, model, steps, progress));
   };
   add("elastic", bench_scene("elastic"));
   const SceneDesc plain = bench_scene("von_mises");
@@ -65,11 +63,9 @@ std::vector<SolverVariantRow> bench_features(bool quick, std::FILE* progress) {
   add("Rankine, softening", scene);
   scene.materials[0].damage.type = DamageType::granular;
   add("Rankine, softening, granular damage", scene);
-  Model varied = model, varied_few = few;
+  Model varied = model;
   varied.strength.assign(varied.X.size(), 1.0f);
-  varied_few.strength.assign(varied_few.X.size(), 1.0f);
-  rows.push_back(measured("the same with strength that varies", scene, varied,
-                          small ? &varied_few : nullptr, steps, progress));
+  rows.push_back(measured("the same with strength that varies", scene, varied, steps, progress));
   scene = plain;
   scene.gravity = Vec3(0, -9.81, 0);
   add("von Mises, gravity", scene);
@@ -85,8 +81,8 @@ std::vector<SolverVariantRow> bench_features(bool quick, std::FILE* progress) {
   scene.solver.transfer = Transfer::pic;
   add("von Mises, PIC", scene);
   const auto [mesh_scene, mesh_model] = mesh_problem(plain, cells);
-  rows.push_back(measured("mesh forces, 2 vertices per cell", mesh_scene, mesh_model, nullptr,
-                          steps, progress));
+  rows.push_back(
+      measured("mesh forces, 2 vertices per cell", mesh_scene, mesh_model, steps, progress));
   set_thread_count(0);
   compare_to_first(rows);
   return rows;
@@ -99,8 +95,7 @@ std::vector<SolverVariantRow> bench_sizes(bool quick, std::FILE* progress) {
   for (const int cells : quick ? std::vector<int>{11, 23} : std::vector<int>{11, 23, 50, 79}) {
     const Model model = bench_model(cells);
     rows.push_back(measured(fmt::format("{} particles", model.particle_count()),
-                            bench_scene("von_mises"), model, nullptr, cells > 60 ? 20 : 40,
-                            progress));
+                            bench_scene("von_mises"), model, cells > 60 ? 20 : 40, progress));
   }
   set_thread_count(0);
   compare_to_first(rows);
@@ -109,18 +104,16 @@ std::vector<SolverVariantRow> bench_sizes(bool quick, std::FILE* progress) {
 
 void print_variants(const char* title, const std::vector<SolverVariantRow>& rows, std::FILE* out) {
   if (rows.empty()) return;
-  fmt::print(out, "\n{:<38}{:>10}{:>9}{:>7}{:>8}{:>8}{:>9}{:>7}{:>7}{:>7}{:>7}{:>7}\n", title,
-             "particles", "cpu ns", "ratio", "instr", "parts", "elements", "grid", "rebin", "frame",
-             "bytes", "peak");
+  fmt::print(out, "\n{:<38}{:>10}{:>9}{:>7}{:>8}{:>9}{:>7}{:>7}{:>7}{:>7}{:>7}\n", title,
+             "particles", "cpu ns", "ratio", "parts", "elements", "grid", "rebin", "frame", "bytes",
+             "peak");
   for (const SolverVariantRow& v : rows) {
     const SolverBenchRow& r = v.row;
     fmt::print(out,
-               "{:<38}{:>10}{:>9.1f}{:>7.2f}{:>8}{:>8.1f}{:>9.1f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.0f}"
+               "{:<38}{:>10}{:>9.1f}{:>7.2f}{:>8.1f}{:>9.1f}{:>7.2f}{:>7.2f}{:>7.2f}{:>7.0f}"
                "{:>7.0f}\n",
-               v.name, r.particles, r.cpu_ns, v.ratio,
-               r.instructions < 0 ? std::string("n/a") : fmt::format("{:.0f}", r.instructions),
-               r.particles_ns, r.elements_ns, r.grid_ns, r.rebin_ns, r.frame_ns, r.bytes,
-               r.peak_bytes);
+               v.name, r.particles, r.cpu_ns, v.ratio, r.particles_ns, r.elements_ns, r.grid_ns,
+               r.rebin_ns, r.frame_ns, r.bytes, r.peak_bytes);
   }
 }
 

@@ -17,7 +17,7 @@ struct SolverVariantRow {
 };
 
 /// One thread, the best instruction set: what a scene without a feature pays (nothing) and what the
-/// feature costs. `quick` takes 14,000 particles, else 97,000; instructions only without `quick`.
+/// feature costs. `quick` takes 14,000 particles, else 97,000.
 std::vector<SolverVariantRow> bench_features(bool quick, std::FILE* progress = nullptr);
 
 /// One thread, the best instruction set: 10,000 to 4,000,000 particles (`quick`: to 100,000).

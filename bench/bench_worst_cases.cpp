@@ -116,10 +116,10 @@ std::vector<WorstCaseRow> bench_worst_cases(bool quick) {
       {"1 particle per cell", [&](Cloud& c) { c.add_clumps(here, 40, 1, 1); }},
       {"isolated debris, 12 cells apart", [&](Cloud& c) { c.add_clumps(here, 168, 12, 1); }},
       {"isolated debris, 8 cells apart", [&](Cloud& c) { c.add_clumps(here, 112, 8, 1); }},
-      {"dense box and 4 % isolated debris",
+      {"dense box and 5 % isolated debris",
        [&](Cloud& c) {
          c.add_box(here, 20, Vec3::Zero());
-         c.add_clumps(away, 168, 12, 1);
+         c.add_clumps(away, 180, 12, 1);
        }},
       {"debris 4 cells apart", [&](Cloud& c) { c.add_clumps(here, 96, 4, 1); }},
       {"1 particle per 8 cells", [&](Cloud& c) { c.add_clumps(here, 64, 2, 1); }},

@@ -124,7 +124,9 @@ void TextbookSolver::step() {
           p.C += 4 * weight * v * (Vector(i, j, k) - w.f).transpose();
         }
     p.x += dt * p.v;
-    const Matrix H = dt * p.C;
+    Matrix H = dt * p.C;
+    const Matrix W = 0.5 * (H - H.transpose());
+    H -= 0.5 * W * W;  // see step_exponent()
     const Matrix H2 = H * H;
     p.F = (Matrix::Identity() + H + 0.5 * H2 + (1.0 / 6) * H2 * H) * p.F;
     const Eigen::JacobiSVD<Matrix> svd(p.F, Eigen::ComputeFullU | Eigen::ComputeFullV);

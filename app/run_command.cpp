@@ -77,8 +77,8 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   const Stage stage = make_stage(scene, *model);
   RunDirectory directory(options.output, stage, *model);
   // Solver and fracture mesh have tables of their own.
-  model->tets = {};
-  model->velocity = {};
+  model->tets = std::vector<Tet>();
+  model->velocity = std::vector<Vec3>();
   const Clock::time_point start = Clock::now();
   EnergyWatch energy;
   ProgressLine line("running");

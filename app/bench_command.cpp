@@ -1,12 +1,18 @@
 // `rend bench`.
 #include "app/bench_command.h"
 
+#include "app/write_file.h"
+#include "bench/bench_accuracy.h"
+#include "bench/bench_cracks.h"
 #include "bench/bench_fracture.h"
 #include "bench/bench_render.h"
 #include "bench/bench_solver.h"
 #include "bench/bench_variants.h"
 #include "bench/bench_worst_cases.h"
 #include "engine/core/error.h"
+#include "render/image_file.h"
+
+#include <fmt/format.h>
 
 #include <cerrno>
 #include <cstring>
@@ -29,14 +35,33 @@ File open_csv(const std::filesystem::path& path) {
   return file;
 }
 
+void print_study(const StudyOutput& study, const BenchOptions& options) {
+  fmt::print("{}", study.table);
+  if (!options.csv.empty()) write_file(options.csv, study.csv);
+  if (options.out.empty()) return;
+  make_folder(options.out);
+  write_file(options.out / (options.name + ".csv"), study.csv);
+  write_file(options.out / (options.name + ".md"), study.table);
+  for (const LogPlot& plot : study.plots) {
+    write_file(options.out / (plot.name + ".svg"), plot_svg(plot));
+    write_png(options.out / (plot.name + ".png"), plot_image(plot), 9);
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& bench_names() {
-  static const std::vector<std::string> names = {"solver", "fracture", "render"};
+  static const std::vector<std::string> names = {"solver", "fracture", "render", "accuracy",
+                                                 "cracks"};
   return names;
 }
 
 void run_bench(const BenchOptions& options) {
+  const StudySize size = options.quick ? StudySize::quick : StudySize::full;
+  if (options.name == "accuracy")
+    return print_study(bench_accuracy(size, options.scenes, stderr), options);
+  if (options.name == "cracks")
+    return print_study(bench_cracks(size, options.scenes, stderr), options);
   const File csv = open_csv(options.csv);
   if (options.name == "solver") {
     print_solver_bench(bench_solver(options.quick, stderr), stdout, csv.get());

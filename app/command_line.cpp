@@ -191,8 +191,10 @@ void add_bench(CLI::App& app, CommandLine& line) {
       ->capture_default_str();
   command->add_flag("--quick", line.bench.quick, "Smaller problems, under two minutes");
   command->add_option("--csv", line.bench.csv, "Write the table to this file too");
+  command->add_option("--out", line.bench.out, "Folder for table, CSV and plots of accuracy and cracks");
   command->callback([&line] {
     line.action = [&line] {
+      line.bench.scenes = source_root() / "scenes";
       run_bench(line.bench);
       return 0;
     };

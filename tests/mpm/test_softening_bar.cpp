@@ -1,9 +1,7 @@
 // The energy that a crack takes: tied to the grid by a softening modulus, to the material by a
 // fracture energy.
-#include "engine/core/random.h"
-#include "engine/mesh/build_model.h"
-#include "engine/mpm/reference_solver.h"
-#include "engine/scene/scene_reader.h"
+#include "bench/problems/method.h"
+#include "bench/problems/torn_body.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -15,64 +13,18 @@ using namespace rend;
 
 namespace {
 
-// Cells across the bar, the same at every dx, so that only the length of a cell changes.
-constexpr Real kAcross = 3;
-
-// A bar 8 m long, shifted against the grid and torn by two grips. `softening` is a key and a value.
-std::string bar(Real dx, const std::string& softening, Real shift, Real shift_across) {
-  const auto grip = [&](int side) {
-    return fmt::format(
-        R"({{"shape": {{"type": "box", "size": [2, 4, 4]}}, "contact": "stick", "motion": [
-            {{"time": 0, "position": [{}, 0, 0]}}, {{"time": 8, "position": [{}, 0, 0]}}]}})",
-        4 * side + shift, 4.6 * side + shift);
-  };
-  return fmt::format(
-      R"({{"name": "bar", "frame_rate": 10, "frames": 80, "gravity": [0, 0, 0],
-          "grid": {{"dx": {}}}, "solver": {{"precision": "double", "transfer": "apic"}},
-          "materials": {{"m": {{"density": 1, "youngs_modulus": 100, "poisson_ratio": 0.3,
-            "yield_surface": {{"type": "rankine", "tau_c": 5, {}}},
-            "damage": {{"type": "granular", "threshold": 0.02}}}}}},
-          "bodies": [{{"shape": {{"type": "box", "size": [8, {}, {}]}}, "material": "m",
-            "force": "mesh", "particles_per_cell": 2,
-            "position": [{}, {}, {}]}}],
-          "colliders": [{}, {}]}})",
-      dx, softening, kAcross * dx, kAcross * dx, shift, shift_across, -shift_across, grip(-1),
-      grip(1));
-}
-
-struct Torn {
-  Real energy = 0;  // dissipated, per cross-section [J/m2]
-  Real modulus = 0;
-  Index damaged = 0;
-};
-
-Torn tear(Real dx, const std::string& softening, int shift) {
-  Random random(3, static_cast<std::uint64_t>(shift));
-  const Real along = dx * random.next(), across = dx * random.next();
-  const SceneDesc scene = parse_scene(bar(dx, softening, along, across), "bar", ".");
-  Model model = build_model(scene);
-  // The crack starts in the middle, in a zone of the same number of cells at every dx.
-  model.strength.assign(model.X.size(), 1);
-  for (std::size_t p = 0; p < model.X.size(); ++p)
-    if (std::abs(model.X[p][0] - along) < dx) model.strength[p] = 0.8f;
-  ReferenceSolver solver(scene, model);
-  FrameReport report;
-  for (int frame = 0; frame < scene.frames; ++frame) {
-    report = solver.advance(1 / scene.frame_rate);
-    REQUIRE(report.status == Status::ok);
-  }
-  const auto at = find_parameter(scene.materials[0].yield_surface.type, "softening");
-  return {report.dissipated_energy / std::pow(kAcross * dx, 2),
-          scene.materials[0].yield_surface.value[*at], report.damaged};
-}
-
 Real mean_energy(Real dx, const std::string& softening, int shifts) {
   Real sum = 0, squares = 0;
   Torn last;
-  for (int s = 0; s < shifts; ++s) {
-    last = tear(dx, softening, s);
-    sum += last.energy;
-    squares += last.energy * last.energy;
+  BarRun run;
+  run.dx = dx;
+  run.softening = softening;
+  run.solver = method(Transfer::apic);
+  for (run.shift = 0; run.shift < shifts; ++run.shift) {
+    last = tear_bar(run);
+    REQUIRE(last.cost.status == Status::ok);
+    sum += last.dissipated;
+    squares += last.dissipated * last.dissipated;
     CHECK(last.damaged > 0);
   }
   const Real mean = sum / shifts;

@@ -1,6 +1,7 @@
 // V1: convergence to a manufactured solution (Wallstedt and Guilkey 2008) in dx, dt and particles a
 // cell, for every scheme, kernel, force form and both solvers.
-#include "tests/verification/manufactured_wave.h"
+#include "bench/problems/manufactured_wave.h"
+#include "tests/verification/method.h"
 
 #include <doctest/doctest.h>
 

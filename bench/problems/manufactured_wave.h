@@ -1,7 +1,10 @@
 // A manufactured solution of large-strain elasticity: standing waves along the axes of a unit cube.
 #pragma once
 
-#include "tests/verification/method.h"
+#include "bench/problems/trial.h"
+#include "engine/material/law_constants.h"
+
+#include <cmath>
 
 namespace rend {
 
@@ -89,13 +92,19 @@ struct WaveRun {
   Real duration = 1;      ///< in units of 1 / c
 };
 
-/// Largest error over the output times, relative to the largest value of the exact solution.
+/// Largest error over the output times, relative to the largest value of the exact solution;
+/// infinite when the run stopped.
 struct WaveErrors {
   Real u = 0, v = 0, tau = 0;  ///< tau stays 0 with mesh forces, which know it on elements only
   std::vector<Real> last;      ///< final displacement along x of the particles inside
+  RunCost cost;
 };
 
 WaveErrors run_wave(const SolverDesc& solver, const WaveRun& run);
+
+/// Cost of `steps` steps of the same matter that swings free. The rule of the manufactured solution
+/// costs more than a step of the tile solver, and no other run has it.
+RunCost time_wave(const SolverDesc& solver, const WaveRun& run, Index steps);
 
 /// Order of a sequence of errors between its last two members, each made with half the last step.
 inline Real order(const std::vector<Real>& errors) {

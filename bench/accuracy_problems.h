@@ -1,0 +1,34 @@
+// The problems of the work-precision study, each over the methods and resolutions of its size.
+#pragma once
+
+#include "bench/accuracy_row.h"
+
+#include <filesystem>
+
+namespace rend {
+
+enum class StudySize { smallest, quick, full };
+
+/// Hears of every row as it is done.
+using RowSink = std::function<void(const AccuracyRow&)>;
+
+/// P1, a manufactured wave in a cube: displacement, velocity, stress ("wave"), the same with
+/// particles that cross cells ("large_wave"), and in one dimension down to the end of float
+/// ("column").
+void study_waves(StudySize size, const RowSink& done);
+/// P2, a ball that turns: mechanical energy and spin.
+void study_turning(StudySize size, const RowSink& done);
+/// P3, two balls that collide: mechanical energy, momentum and spin.
+void study_collision(StudySize size, const RowSink& done);
+/// P4, a block driven through yield and softening: stress and dissipation.
+void study_driven(StudySize size, const RowSink& done);
+/// P5, a bar torn by grips: energy of the crack over the fracture energy, peak force.
+void study_rupture(StudySize size, const RowSink& done);
+/// P6, Taylor's bar: length and foot; `scenes` holds taylor_bar.json.
+void study_impact(StudySize size, const std::filesystem::path& scenes, const RowSink& done);
+
+/// Transfers that the study compares on the reference solver, and those of the tile solver.
+std::vector<SolverDesc> studied_methods(Kernel kernel, ForceForm form);
+std::vector<SolverDesc> tile_methods();
+
+}  // namespace rend

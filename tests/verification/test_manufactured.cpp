@@ -33,7 +33,7 @@ Orders refine(const SolverDesc& solver, WaveRun run, int finest) {
 }  // namespace
 
 TEST_CASE("V1 dx: displacement has order 2 with FLIP, APIC, PolyPIC, XPIC and order 1 with PIC") {
-  const int finest = full_study() ? 256 : 64;
+  const int finest = full_study() ? 128 : 64;
   for (Kernel kernel : {Kernel::quadratic, Kernel::cubic})
     for (ForceForm form : {ForceForm::gradient, ForceForm::mls})
       for (Transfer transfer : {Transfer::pic, Transfer::rpic, Transfer::flip, Transfer::apic,
@@ -48,7 +48,8 @@ TEST_CASE("V1 dx: displacement has order 2 with FLIP, APIC, PolyPIC, XPIC and or
           continue;
         }
         CHECK(o.u > (transfer == Transfer::xpic ? 1.8 : 1.9));
-        CHECK(o.v > 1.6);
+        // FLIP keeps velocities that the grid cannot see.
+        CHECK(o.v > (transfer == Transfer::flip ? 1.1 : 1.9));
         // MLS takes grad v as sum w v r^T / D, whose error of first order is the third moment of
         // the kernel; cubic kernels have almost none.
         if (form == ForceForm::mls && kernel == Kernel::quadratic)

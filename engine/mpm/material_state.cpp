@@ -1,6 +1,7 @@
 // Layout of a material in a state file.
 #include "engine/mpm/material_state.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -53,6 +54,16 @@ MaterialDesc get_material(StateReader& in, const MaterialDesc& named) {
   if (!std::isnan(numbers.fracture_energy)) m.fracture_energy = numbers.fracture_energy;
   m.damage = numbers.damage;
   m.strength_field = numbers.strength_field;
+  const auto finite_at_least = [](Real x, Real least) { return std::isfinite(x) && x >= least; };
+  const int type = m.yield_surface.type, damage = static_cast<int>(m.damage.type),
+            rule = static_cast<int>(m.softening_rule);
+  StateReader::require(type >= 0 && type < yield_surface_count() && damage >= 0 && damage <= 2 &&
+                           rule >= 0 && rule <= 1 && finite_at_least(m.density, 1e-12) &&
+                           finite_at_least(m.youngs_modulus, 0) && std::abs(m.poisson_ratio) < 1 &&
+                           m.poisson_ratio < 0.5 &&
+                           std::all_of(m.yield_surface.value.begin(), m.yield_surface.value.end(),
+                                       [](Real x) { return std::isfinite(x); }),
+                       "materials");
   return m;
 }
 

@@ -4,6 +4,7 @@
 #include "engine/core/random.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <istream>
 #include <iterator>
 #include <ostream>
@@ -22,8 +23,12 @@ struct Header {
   char kind[16] = {};
   std::uint64_t scene_hash = 0;
   std::uint64_t size = 0;
-  std::uint64_t checksum = 0;
+  std::uint64_t checksum = 0;  // of all before it and of the values
 };
+
+std::uint64_t checksum_of(const Header& header, const std::string& bytes) {
+  return hash_bytes(hash_bytes(0, &header, offsetof(Header, checksum)), bytes.data(), bytes.size());
+}
 
 }  // namespace
 
@@ -44,7 +49,7 @@ void StateWriter::write(std::ostream& out, const std::string& kind,
   kind.copy(header.kind, sizeof(header.kind) - 1);
   header.scene_hash = scene_hash;
   header.size = bytes_.size();
-  header.checksum = hash_bytes(scene_hash, bytes_.data(), bytes_.size());
+  header.checksum = checksum_of(header, bytes_);
   out.write(reinterpret_cast<const char*>(&header), sizeof(header));
   out.write(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
 }
@@ -60,20 +65,23 @@ StateReader::StateReader(std::istream& in, const std::string& kind, std::uint64_
   if (header.version != kVersion)
     fail("it has version " + std::to_string(header.version) + "; this program reads version " +
          std::to_string(kVersion));
-  header.kind[sizeof(header.kind) - 1] = 0;
-  if (kind != header.kind)
-    fail("it was saved by the " + std::string(header.kind) + " solver, not by the " + kind +
-         " solver");
+  const std::string saved(header.kind, strnlen(header.kind, sizeof(header.kind)));
+  if (kind != saved)
+    fail("it was saved by the " + saved + " solver, not by the " + kind + " solver");
   if (header.scene_hash != scene_hash) fail("it belongs to another scene");
   bytes_.assign(std::istreambuf_iterator<char>(in), {});
   if (bytes_.size() < header.size) fail("it is cut short");
-  bytes_.resize(header.size);
-  if (hash_bytes(scene_hash, bytes_.data(), bytes_.size()) != header.checksum)
+  if (bytes_.size() > header.size) fail("it goes on after its end");
+  if (checksum_of(header, bytes_) != header.checksum)
     fail("its checksum does not match: it is damaged");
 }
 
 void StateReader::finish() const {
   if (at_ != bytes_.size()) fail("it holds more than a state");
+}
+
+void StateReader::require(bool fits, const char* what) {
+  if (!fits) fail(std::string("its ") + what + " do not fit this scene");
 }
 
 void StateReader::fail(const std::string& why) { throw Error("state", why); }

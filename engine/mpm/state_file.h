@@ -63,6 +63,9 @@ class StateReader {
     values.resize(size);
     take(values.data(), size * sizeof(T));
   }
+  /// @throws Error unless the values called `what` fit, for those that a damaged file could not
+  /// have but a forged one could.
+  static void require(bool fits, const char* what);
   /// Call after the last get(); what is left over is an error.
   void finish() const;
 

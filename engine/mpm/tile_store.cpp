@@ -272,23 +272,56 @@ void TileStore::clear_lone() {
   regular_count_ = static_cast<Index>(blocks_.size());
 }
 
-bool TileStore::State::fits(Index count) const {
+bool TileStore::State::fits(Index count, std::size_t materials) const {
+  const auto is_group = [&](int at) { return at == -1 || (at >= 10 && at < layout.groups); };
+  if (layout.groups < 10 || layout.groups >= 32 || !is_group(layout.tau_c) ||
+      !is_group(layout.tau_c0) || !is_group(layout.velocity))
+    return false;
   std::int64_t particles = 0, tile_total = 0;
-  std::size_t run_total = 0;
-  for (const TileBlock& block : blocks) {
-    if (block.first_run < 0 || block.run_count < 1 ||
-        block.first_run + block.run_count > static_cast<std::int64_t>(runs.size()))
-      return false;
-    run_total += static_cast<std::size_t>(block.run_count);
-  }
+  std::vector<std::int64_t> first_tile;
   for (const TileRun& run : runs) {
-    if (run.count < 1) return false;
+    if (run.count < 1 || run.material >= materials) return false;
+    first_tile.push_back(tile_total);
     particles += run.count;
     tile_total += run.tiles();
   }
-  return run_total == runs.size() && particles == count &&
-         ids.size() == static_cast<std::size_t>(tile_total) * kLanes && layout.groups >= 10 &&
-         layout.groups < 32 && tiles.size() == ids.size() * static_cast<std::size_t>(layout.groups);
+  if (particles != count || ids.size() != static_cast<std::size_t>(tile_total) * kLanes ||
+      tiles.size() != ids.size() * static_cast<std::size_t>(layout.groups))
+    return false;
+
+  std::vector<std::uint64_t> keys;
+  std::vector<std::uint8_t> owned(runs.size(), 0), seen(static_cast<std::size_t>(count), 0);
+  for (const TileBlock& block : blocks) {
+    if (block.first_run < 0 || block.run_count < 1 ||
+        block.first_run + std::int64_t{block.run_count} > static_cast<std::int64_t>(runs.size()) ||
+        block.coord.minCoeff() < -kLimit || block.coord.maxCoeff() > kLimit)
+      return false;
+    keys.push_back(BlockIndex::key(block.coord));
+    std::int64_t held = 0;
+    for (int r = block.first_run; r < block.first_run + block.run_count; ++r) {
+      if (owned[static_cast<std::size_t>(r)]++ != 0) return false;
+      held += runs[static_cast<std::size_t>(r)].count;
+    }
+    if (held != block.count) return false;
+  }
+  std::sort(keys.begin(), keys.end());
+  if (std::adjacent_find(keys.begin(), keys.end()) != keys.end() ||
+      std::find(owned.begin(), owned.end(), 0) != owned.end())
+    return false;
+
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    for (std::int32_t i = 0; i < runs[r].tiles() * kLanes; ++i) {
+      const auto slot = static_cast<std::size_t>(first_tile[r] * kLanes + i);
+      const Index id = ids[slot];
+      if (i >= runs[r].count ? id != -1 : id < 0 || id >= count) return false;
+      if (id >= 0 && seen[static_cast<std::size_t>(id)]++ != 0) return false;
+      // Particles are within a cell of their block.
+      const float* lane =
+          tiles.data() + slot / kLanes * static_cast<std::size_t>(layout.floats()) + slot % kLanes;
+      for (int a = 0; a < 3; ++a)
+        if (!(lane[a * kLanes] >= -2 && lane[a * kLanes] <= 5)) return false;
+    }
+  return true;
 }
 
 void TileStore::change_layout(const TileLayout& layout) {

@@ -94,8 +94,8 @@ class TileStore {
     std::vector<TileRun> runs;
     std::vector<Index> ids;
     std::vector<float> tiles;
-    /// Whether the parts belong together and hold `count` particles.
-    bool fits(Index count) const;
+    /// Whether the parts belong together and hold `count` particles of `materials` materials.
+    bool fits(Index count, std::size_t materials) const;
   };
   State state() const;
   void restore(const State& state);

@@ -9,14 +9,22 @@
 namespace rend {
 
 void EnergyBalance::open(const FrameReport& report) {
-  start = mechanical_energy(report);
+  start = energy(report);
   start_gravity = report.gravity_energy;
 }
 
 void EnergyBalance::rebase(const FrameReport& before, const FrameReport& after) {
-  start += mechanical_energy(after) + after.dissipated_energy - mechanical_energy(before) -
-           before.dissipated_energy;
+  start += energy(after) + after.dissipated_energy - energy(before) - before.dissipated_energy;
   start_gravity += after.gravity_energy - before.gravity_energy;
+}
+
+void EnergyBalance::change_step(const FrameReport& report, Real dt) {
+  start += 0.5 * (dt - last_step) * report.power;
+  last_step = dt;
+}
+
+Real EnergyBalance::energy(const FrameReport& report) const {
+  return mechanical_energy(report) + 0.5 * last_step * report.power;
 }
 
 void EnergyBalance::settle(FrameReport& report) {
@@ -27,8 +35,7 @@ void EnergyBalance::settle(FrameReport& report) {
   report.dissipated_energy = dissipated;
   report.friction_energy = nodes.friction;
   report.external_work = nodes.external;
-  report.transfer_loss =
-      start + nodes.external - mechanical_energy(report) - dissipated - nodes.friction;
+  report.transfer_loss = start + nodes.external - energy(report) - dissipated - nodes.friction;
   report.energy_turnover = turnover;
 }
 

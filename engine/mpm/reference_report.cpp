@@ -18,7 +18,7 @@ constexpr Index kGrain = 1024;
 constexpr const char* kKind = "reference";
 
 struct ReportSums {
-  Real mass = 0, kinetic = 0, affine = 0, elastic = 0, gravity = 0, max_speed = 0;
+  Real mass = 0, kinetic = 0, affine = 0, elastic = 0, gravity = 0, power = 0, max_speed = 0;
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
   Index yielded = 0, damaged = 0;
   ReportSums& operator+=(const ReportSums& o) {
@@ -27,6 +27,7 @@ struct ReportSums {
     affine += o.affine;
     elastic += o.elastic;
     gravity += o.gravity;
+    power += o.power;
     max_speed = std::max(max_speed, o.max_speed);
     momentum += o.momentum;
     angular += o.angular;
@@ -56,13 +57,17 @@ void ReferenceSolver::measure_energy(FrameReport& report) const {
     }
     one.kinetic = 0.5 * m * v.squaredNorm();
     one.gravity = -m * gravity_.dot(x);
+    one.power = m * gravity_.dot(v);
     one.max_speed = v.norm();
     if (mesh_.carries(p)) {
+      one.power += particles_.force[i].dot(v);
       const VertexState state = mesh_.at_vertex(materials_, p);
       one.damaged = state.damaged;
       one.yielded = state.yielded;
       return one;
     }
+    if (transfer_.carried.affine)
+      one.power -= particles_.volume[i] * particles_.tau[i].cwiseProduct(particles_.C[i]).sum();
     one.damaged = is_damaged(p);
     one.yielded = particles_.yielded[i];
     one.elastic =
@@ -78,6 +83,7 @@ void ReferenceSolver::measure_energy(FrameReport& report) const {
   report.affine_energy = sums.affine;
   report.elastic_energy = sums.elastic + mesh_.elastic_energy(materials_, particles_.x);
   report.gravity_energy = sums.gravity;
+  report.power = sums.power;
   report.dissipated_energy = balance_.dissipated;
   report.max_speed = sums.max_speed;
   report.yielded = sums.yielded;
@@ -194,6 +200,10 @@ void ReferenceSolver::load(std::istream& in) {
   reader.get(state.mesh.tau_c, mesh_.element_count());
   reader.get(state.mesh.yielded, mesh_.element_count());
   reader.finish();
+  StateReader::require(std::isfinite(state.time) && state.time >= 0, "times");
+  StateReader::require(std::all_of(state.particles.x.begin(), state.particles.x.end(),
+                                   [&](const Vec3& x) { return inside_domain(x); }),
+                       "positions");
   state.particles.volume = particles_.volume;
   state.particles.material = particles_.material;
 

@@ -66,8 +66,7 @@ ReferenceSolver::ReferenceSolver(const SceneDesc& scene, const Model& model)
     particles_.mass[i] = model.volume[i] * materials_[model.material[i]].desc.density;
     if (transfer_.carried.affine && model.body[i] < model.velocity_gradient.size())
       particles_.C[i] = model.velocity_gradient[model.body[i]];
-    if (!particles_.x[i].allFinite() ||
-        !(particles_.x[i].cwiseAbs().maxCoeff() < dx_ * (BlockGrid::kLimit - 8)))
+    if (!inside_domain(particles_.x[i]))
       throw Error("/bodies",
                   fmt::format("particle {} at ({}, {}, {}) m is outside +-2^20 cells of {} m", i,
                               particles_.x[i][0], particles_.x[i][1], particles_.x[i][2], dx_));
@@ -260,6 +259,8 @@ FrameReport ReferenceSolver::advance(Real duration, const BetweenSteps& between)
     const Real collider_speed = motion_.collider_speed;
     motion_ = sums.motion;
     motion_.collider_speed = collider_speed;
+    if (report.substeps == 0) balance_.change_step(report_, dt);
+    balance_.last_step = dt;
     balance_.dissipated += sums.dissipation;
     report.clamped += sums.clamped;
     time_ = dt < end - time_ ? time_ + dt : end;
@@ -319,6 +320,10 @@ bool ReferenceSolver::is_damaged(Index p) const {
          !(particles_.tau_c[i] > 0);
 }
 
+bool ReferenceSolver::inside_domain(const Vec3& x) const {
+  return x.allFinite() && x.cwiseAbs().maxCoeff() < dx_ * (BlockGrid::kLimit - 8);
+}
+
 Fault ReferenceSolver::first_bad_particle() const {
   for (Index p = 0; p < particles_.count(); ++p) {
     const auto i = static_cast<std::size_t>(p);
@@ -360,6 +365,7 @@ void ReferenceSolver::set_material(std::size_t index, const MaterialDesc& materi
   measure_motion();
   measure_energy(after);
   balance_.rebase(before, after);
+  report_.power = after.power;
 }
 
 void ReferenceSolver::set_gravity(const Vec3& gravity) {
@@ -368,6 +374,7 @@ void ReferenceSolver::set_gravity(const Vec3& gravity) {
   gravity_ = gravity;
   measure_energy(after);
   balance_.rebase(before, after);
+  report_.power = after.power;
 }
 
 std::string ReferenceSolver::describe() const {

@@ -77,6 +77,7 @@ class ReferenceSolver : public Solver {
   void measure_motion();
   bool is_damaged(Index p) const;
   Real tau_c0(Index p) const;
+  bool inside_domain(const Vec3& x) const;
   Fault first_bad_particle() const;
   void remember();
   void restore();

@@ -27,6 +27,7 @@ struct FrameReport {
   Real kinetic_energy = 0, elastic_energy = 0, gravity_energy = 0;
   Real affine_energy = 0;      ///< kinetic energy of the affine velocities, sum of m D |C_p|^2 / 2
   Real dissipated_energy = 0;  ///< plastic work and energy let go by damage, since the start
+  Real power = 0;              ///< of internal forces and gravity on the moving matter [W]
   Real friction_energy = 0;    ///< let go by friction on colliders, since the start
   Real external_work = 0;      ///< by colliders and the pull tool, since the start
   Real transfer_loss = 0;      ///< remainder of the sheet, see EnergyBalance; negative is a gain

@@ -149,9 +149,10 @@ struct TileKernels {
   /// Return mapping of tiles where they are, as a step of length 0 would do it.
   void (*respond)(const TileLayout&, const MaterialConstants&, float* tiles, int tile_count,
                   RunExtremes& extremes);
-  /// Elastic energy density and largest principal stress [Pa] of `tiles` tiles of one material.
+  /// Elastic energy density, largest principal stress [Pa] and, where `motion` is given, power of
+  /// the stress [Pa/s] of `tiles` tiles of one material.
   void (*measure)(const TileLayout&, const MaterialConstants&, const float* tile, int tiles,
-                  float* energy, float* stress);
+                  float* energy, float* stress, const float* motion, float* power);
   /// Return mapping of elements and the forces on their corners.
   void (*elements)(ElementTask&);
   /// Energy density and largest principal stress [Pa] of the same elements, as they are.

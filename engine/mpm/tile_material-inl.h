@@ -205,9 +205,11 @@ HWY_NOINLINE void respond_tiles(const TileLayout& layout, const MaterialConstant
                                         extremes);
 }
 
-/// Elastic energy density and largest principal stress, once a frame.
+/// Elastic energy density and largest principal stress, once a frame; with `motion` also the power
+/// of the stress, tau : C.
 HWY_NOINLINE void measure_tiles(const TileLayout& layout, const MaterialConstants& material,
-                                const float* tile, int tiles, float* energy, float* stress) {
+                                const float* tile, int tiles, float* energy, float* stress,
+                                const float* motion, float* power) {
   const LawConstants<Lanes> k = convert_constants<Lanes>(material.law);
   const bool damage = can_be_damaged(material);
   for (int t = 0; t < tiles; ++t, tile += layout.floats()) {
@@ -217,6 +219,14 @@ HWY_NOINLINE void measure_tiles(const TileLayout& layout, const MaterialConstant
     const Spectrum spectrum(e);
     store(energy_density(mu2, k.lambda, spectrum.eps), energy + t * kLanes);
     store(principal_stress(mu2, k.lambda, spectrum.eps)[0], stress + t * kLanes);
+    if (!motion) continue;
+    Lanes tau[6];
+    spectrum.stress(mu2, k.lambda, spectrum.eps, tau);
+    constexpr int place[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
+    Lanes sum(0.0f);
+    for (int i = 0; i < 9; ++i)
+      sum = mul_add(tau[place[i]], load(motion + t * kMotionFloats + (3 + i) * kLanes), sum);
+    store(sum, power + t * kLanes);
   }
 }
 

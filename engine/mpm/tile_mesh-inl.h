@@ -288,7 +288,8 @@ HWY_NOINLINE void measure_elements(ElementTask& task, float* energy, float* stre
     task.left |= bits_of(masks.left) << (t * kLanes);
     fill_scratch(tile, work.shape[t], masks.law, work.scratch[t]);
   }
-  measure_tiles(scratch_layout(), *task.material, work.scratch[0], tiles, energy, stress);
+  measure_tiles(scratch_layout(), *task.material, work.scratch[0], tiles, energy, stress, nullptr,
+                nullptr);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -21,7 +21,7 @@ namespace {
 constexpr Real kVolumeUnit = 0x1p-44;
 
 struct ReportSums {
-  Real kinetic = 0, affine = 0, elastic = 0, gravity = 0, max_speed2 = 0;
+  Real kinetic = 0, affine = 0, elastic = 0, gravity = 0, power = 0, max_speed2 = 0;
   std::vector<std::int64_t> volume;  // of each material, in units
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
   Index yielded = 0, damaged = 0;
@@ -31,6 +31,7 @@ struct ReportSums {
     affine += o.affine;
     elastic += o.elastic;
     gravity += o.gravity;
+    power += o.power;
     max_speed2 = std::max(max_speed2, o.max_speed2);
     momentum += o.momentum;
     angular += o.angular;
@@ -120,9 +121,7 @@ Snapshot TileSolver::snapshot() const {
   out.yielded.resize(count);
   const TileMesh::Measure elements = mesh_.measure(*kernels_);
   each_run([&](const TileRun& run, const TileBlock& block) {
-    std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes),
-        stress(energy.size());
-    measure(run, energy, stress);
+    const std::vector<float> stress = measure(run).stress;
     for (int i = 0; i < run.count; ++i) {
       const Lane p = lane(run, i);
       const auto id = static_cast<std::size_t>(p.id);
@@ -149,15 +148,18 @@ Snapshot TileSolver::snapshot() const {
 }
 
 // The kernels want aligned memory, and vectors of a tile are small enough for the stack.
-void TileSolver::measure(const TileRun& run, std::vector<float>& energy,
-                         std::vector<float>& stress) const {
-  alignas(64) float e[kLanes], s[kLanes];
+TileSolver::RunMeasure TileSolver::measure(const TileRun& run) const {
+  alignas(64) float e[kLanes], s[kLanes], w[kLanes];
+  RunMeasure out;
   for (int t = 0; t < run.tiles(); ++t) {
     kernels_->measure(store_.layout(), materials_[run.material].constants,
-                      store_.tile(run.first_tile + t), 1, e, s);
-    std::copy(e, e + kLanes, energy.begin() + t * kLanes);
-    std::copy(s, s + kLanes, stress.begin() + t * kLanes);
+                      store_.tile(run.first_tile + t), 1, e, s,
+                      motion() + std::size_t(run.first_tile + t) * kMotionFloats, w);
+    out.energy.insert(out.energy.end(), e, e + kLanes);
+    out.stress.insert(out.stress.end(), s, s + kLanes);
+    out.power.insert(out.power.end(), w, w + kLanes);
   }
+  return out;
 }
 
 void TileSolver::measure_energy(FrameReport& report) const {
@@ -171,9 +173,7 @@ void TileSolver::measure_energy(FrameReport& report) const {
         ReportSums sum = none;
         for (int r = 0; r < block.run_count; ++r) {
           const TileRun& run = store_.runs()[static_cast<std::size_t>(block.first_run + r)];
-          std::vector<float> energy(static_cast<std::size_t>(run.tiles()) * kLanes),
-              stress(energy.size());
-          measure(run, energy, stress);
+          const RunMeasure measured = measure(run);
           for (int i = 0; i < run.count; ++i) {
             const Lane p = lane(run, i);
             const Real volume = p.volume() * cell_volume;
@@ -193,7 +193,8 @@ void TileSolver::measure_energy(FrameReport& report) const {
             }
             one.kinetic = 0.5 * m * v.squaredNorm();
             one.gravity = -m * gravity_.dot(x);
-            one.elastic = volume * energy[static_cast<std::size_t>(i)];
+            one.elastic = volume * measured.energy[static_cast<std::size_t>(i)];
+            one.power = m * gravity_.dot(v) - volume * measured.power[static_cast<std::size_t>(i)];
             one.max_speed2 = v.squaredNorm();
             one.yielded = p.yielded();
             one.damaged = is_damaged(run.material, tau_c(p));
@@ -201,6 +202,7 @@ void TileSolver::measure_energy(FrameReport& report) const {
               const VertexState vertex = mesh_.at_vertex(elements, p.id);
               one.yielded = vertex.yielded;
               one.damaged = vertex.damaged;
+              one.power = m * gravity_.dot(v) + dx_ * dx_ * mesh_.force(p.id).dot(v);
             }
             sum += one;
           }
@@ -218,6 +220,7 @@ void TileSolver::measure_energy(FrameReport& report) const {
   report.affine_energy = sums.affine;
   report.elastic_energy = sums.elastic + elements.energy * cell_volume;
   report.gravity_energy = sums.gravity;
+  report.power = sums.power;
   report.dissipated_energy = balance_.dissipated;
   report.max_speed = std::sqrt(sums.max_speed2);
   report.yielded = sums.yielded;

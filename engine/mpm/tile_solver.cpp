@@ -85,11 +85,10 @@ MaterialConstants TileSolver::constants_of(const MaterialDesc& material) const {
   return out;
 }
 
-// Groups that the materials need now, after those that are there already.
-TileLayout TileSolver::needed_layout() const {
-  TileLayout layout = store_.layout();
+TileLayout TileSolver::needed_layout(TileLayout layout,
+                                     const std::vector<Material>& materials) const {
   const auto any_material = [&](auto&& test) {
-    return std::any_of(materials_.begin(), materials_.end(),
+    return std::any_of(materials.begin(), materials.end(),
                        [&](const Material& m) { return !m.constants.on_mesh && test(m.desc); });
   };
   if (layout.tau_c < 0 &&
@@ -102,12 +101,12 @@ TileLayout TileSolver::needed_layout() const {
 }
 
 void TileSolver::place(const Model& model) {
-  const TileLayout layout = needed_layout();
+  const TileLayout layout = needed_layout(store_.layout(), materials_);
 
   std::vector<TileStore::Arrival> arrivals(model.X.size());
   for (std::size_t i = 0; i < model.X.size(); ++i) {
     const Vec3 cells = model.X[i] / dx_;
-    if (!(cells.cwiseAbs().maxCoeff() < 4.0 * (TileStore::kLimit - 2)))
+    if (!cells.allFinite() || !(cells.cwiseAbs().maxCoeff() < 4.0 * (TileStore::kLimit - 2)))
       throw Error("/bodies",
                   fmt::format("particle {} at ({}, {}, {}) m is outside +-2^20 cells of {} m", i,
                               model.X[i][0], model.X[i][1], model.X[i][2], dx_));
@@ -193,6 +192,15 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
   every_particle(Pass::scatter, step_constants(Pass::scatter, 0, dt), dt);
   for (bool last = false; !last;) {
     const Real fastest = grid_pass(dt);
+    if (!std::isfinite(fastest)) {
+      // Particles that gather from a bad node are bad too, which tells where it was. Too fast a
+      // node is no fault yet: next to hard-pressed matter, nodes with next to no mass may be, and
+      // no particle follows them. The pass tells how far particles really went.
+      spare_.reserve(std::size_t(store_.tile_count()) *
+                     std::max(kMotionFloats, store_.layout().floats()));
+      every_particle(Pass::gather, step_constants(Pass::gather, dt, 0), 0);
+      return {Status::not_finite};
+    }
     const float reach = static_cast<float>(dt * fastest);
     const bool rebin = !(excess_ + reach < kMargin);
     if (rebin) {
@@ -200,9 +208,6 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
       store_.rebin(spare_);
       grid_.relate(store_.regular_blocks());
       ++times_.rebins;
-      // Too fast a node is no fault yet: next to hard-pressed matter, nodes with next to no mass
-      // may be, and no particle follows them. The pass tells how far particles really went.
-      if (!std::isfinite(fastest)) return {Status::not_finite};
     }
     const Real after = dt < end - time_ ? time_ + dt : end;
     stopped_ = stopped_ || (after < end && between && !between());
@@ -234,6 +239,8 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
     lone_travel_ += dt * std::max(sums.motion.speed, collider_speed) / dx_;
     motion_ = sums.motion;
     motion_.collider_speed = collider_speed;
+    if (report.substeps == 0) balance_.change_step(report_, dt);
+    balance_.last_step = dt;
     balance_.dissipated += sums.dissipation * dx_ * dx_ * dx_;
     report.clamped += sums.clamped;
     time_ = after;
@@ -276,8 +283,9 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
     const Index suspected = fault.particle < 0 && !fault.tiny_step ? suspect() : fault.particle;
     restore(good_);
     // A value that was bad before the frame has spread by now.
-    const Index bad = fault.status == Status::not_finite ? first_bad_particle() : -1;
+    const Index bad = first_bad_particle();
     fault.particle = bad >= 0 ? bad : suspected;
+    if (bad >= 0) fault.status = Status::not_finite;
     fill_report(report);
   }
   good_ = {};

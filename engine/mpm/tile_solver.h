@@ -123,7 +123,8 @@ class TileSolver : public Solver {
   Real grid_pass(Real dt);
   void update_topology();
   void measure_motion();
-  TileLayout needed_layout() const;
+  /// Groups that `materials` need, after those of `layout`.
+  TileLayout needed_layout(TileLayout layout, const std::vector<Material>& materials) const;
   void add_groups(const TileLayout& needed);
   /// The particle that most likely made a step fail: not finite, or farthest beyond its block.
   Index suspect() const;
@@ -143,7 +144,11 @@ class TileSolver : public Solver {
   Lane lane(const TileRun& run, int i) const;
   float tau_c(const Lane& lane) const;
   Vec3 world_position(const TileBlock& block, const Lane& lane) const;
-  void measure(const TileRun& run, std::vector<float>& energy, std::vector<float>& stress) const;
+  // Per particle of a run, at the end of a frame.
+  struct RunMeasure {
+    std::vector<float> energy, stress, power;
+  };
+  RunMeasure measure(const TileRun& run) const;
   /// Calls visit(run, block) for every run.
   template <class F>
   void each_run(F&& visit) const;

@@ -5,6 +5,7 @@
 #include "engine/mpm/tile_solver.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rend {
 
@@ -43,7 +44,7 @@ void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
   if (!mesh_.empty()) mesh_.set_law(index, laws_of({material})[0]);
   const Real now = initial_threshold(material.yield_surface);
   const bool had_threshold = store_.layout().tau_c >= 0;
-  const TileLayout needed = needed_layout();
+  const TileLayout needed = needed_layout(store_.layout(), materials_);
   if (needed.groups != store_.layout().groups) add_groups(needed);
   const TileLayout& layout = store_.layout();
   if (layout.tau_c >= 0)
@@ -64,6 +65,7 @@ void TileSolver::set_material(std::size_t index, const MaterialDesc& material) {
   measure_motion();
   measure_energy(energy_after);
   balance_.rebase(energy_before, energy_after);
+  report_.power = energy_after.power;
 }
 
 void TileSolver::set_gravity(const Vec3& gravity) {
@@ -72,6 +74,7 @@ void TileSolver::set_gravity(const Vec3& gravity) {
   gravity_ = gravity;
   measure_energy(after);
   balance_.rebase(before, after);
+  report_.power = after.power;
 }
 
 TileSolver::State TileSolver::state() const {
@@ -154,8 +157,13 @@ void TileSolver::load(std::istream& in) {
   reader.get(s.mesh.tiles);
   reader.get(s.mesh.pull);
   reader.finish();
-  if (!s.store.fits(store_.particle_count()) || !mesh_.fits(s.mesh))
-    throw Error("state", "its tiles do not hold the particles of this scene");
+  StateReader::require(std::isfinite(s.time) && s.time >= 0 && std::isfinite(s.excess), "times");
+  StateReader::require(
+      s.store.fits(store_.particle_count(), materials_.size()) &&
+          s.motion.size() == s.store.ids.size() / kLanes * kMotionFloats &&
+          needed_layout(s.store.layout, materials).groups == s.store.layout.groups &&
+          mesh_.fits(s.mesh),
+      "tiles");
   materials_ = std::move(materials);
   add_mesh_materials();
   for (std::size_t m = 0; m < scene_.materials.size() && !mesh_.empty(); ++m)

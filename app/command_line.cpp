@@ -107,10 +107,10 @@ std::vector<std::string> parse_formats(const std::string& text) {
   return formats;
 }
 
-/// What `run` and `remesh` write, and how.
-void add_output_options(CLI::App& command, CommandLine& line) {
+/// What `run` and `remesh` write, and how. Returns the option of the run directory.
+CLI::Option* add_output_options(CLI::App& command, CommandLine& line) {
   OutputOptions& output = line.run.output;
-  command.add_option("--out", output.out, "Run directory to write")->required();
+  CLI::Option* out = command.add_option("--out", output.out, "Run directory to write");
   command.add_option("--size", line.size, "Picture size, WxH")->capture_default_str();
   command.add_option("--passes", output.accumulate, "Render passes per picture: 1 is fast, 64 is fine")
       ->check(CLI::Range(1, 1024))->capture_default_str();
@@ -119,6 +119,7 @@ void add_output_options(CLI::App& command, CommandLine& line) {
   command.add_flag("--png,!--no-png", output.png, "Write png/000001.png ... (on by default)");
   command.add_option("--formats", line.formats, "Files of mesh/ and particles/: ply, vtp, obj, glb with commas between; or none")
       ->capture_default_str();
+  return out;
 }
 
 void finish_output_options(CommandLine& line) {
@@ -130,13 +131,31 @@ void finish_output_options(CommandLine& line) {
 
 void add_run(CLI::App& app, CommandLine& line) {
   CLI::App* command = app.add_subcommand("run", "Run a scene without a browser: pictures, meshes and a table");
-  add_scene_option(*command, line);
-  add_output_options(*command, line);
-  command->add_option("--frames", line.run.frames, "Frames to run instead of the scene's")->check(CLI::Range(1, 1000000));
+  CLI::Option* resume = command->add_option("--resume", line.path,
+                                            "Go on with this run directory from its newest checkpoint");
+  CLI::Option* scene =
+      command->add_option("SCENE", line.scene, "Scene file, or the name of a scene in scenes/")->excludes(resume);
+  command->add_option("--set", line.set, "Replace a value of the scene: /json/pointer=value (repeatable)")
+      ->excludes(resume);
+  add_output_options(*command, line)->excludes(resume);
+  command->add_option("--frames", line.run.frames, "Frames to run in all, instead of the scene's")
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--checkpoint-every", line.run.checkpoint_every,
+                      "Keep the exact state every N frames, for --resume; needs record/")
+      ->check(CLI::Range(1, 1000000));
   command->add_flag("--record,!--no-record", line.run.output.record, "Write record/, which remesh needs (on by default)");
-  command->callback([&line] {
-    line.action = [&line] {
+  command->callback([&line, scene] {
+    line.action = [&line, scene] {
       finish_output_options(line);
+      line.run.resume = !line.path.empty();
+      if (line.run.resume) {
+        line.run.output.out = line.path;
+        line.scene = (std::filesystem::path(line.path) / "scene.json").string();
+      } else if (scene->count() == 0 || line.run.output.out.empty()) {
+        throw Error("rend run", "needs SCENE and --out DIR, or --resume DIR");
+      }
+      if (!line.run.output.record && (line.run.resume || line.run.checkpoint_every > 0))
+        throw Error("--no-record", "does not go with checkpoints: to go on, a run reads record/");
       return run_scene(line.read(), line.run);
     };
   });
@@ -147,7 +166,7 @@ void add_remesh(CLI::App& app, CommandLine& line) {
       app.add_subcommand("remesh", "Make surfaces and pictures again from a recorded run, without simulating");
   command->add_option("RUN", line.path, "Run directory that was written by rend run")->required();
   command->add_option("--set", line.set, "Replace a value of the scene, e.g. /fracture/gap=0.4 (repeatable)");
-  add_output_options(*command, line);
+  add_output_options(*command, line)->required();
   command->add_option("--only", line.only, "Frame to write (repeatable); all frames by default");
   command->callback([&line] {
     line.action = [&line] {

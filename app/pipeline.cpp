@@ -45,9 +45,18 @@ Frame Pipeline::advance(const BetweenSteps& between) {
   return make_frame(std::move(report));
 }
 
+void Pipeline::resume(Index frame, std::istream& state, const std::function<Snapshot(Index)>& recorded) {
+  solver_->load(state);
+  fracture_ = fracture_.fresh(scene_.fracture);
+  for (Index n = 1; n <= frame; ++n) fracture_.update(recorded(n));
+  frame_ = frame;
+  frame_end_ = solver_->time();
+}
+
 void Pipeline::apply(const SceneDesc& changed) {
-  for (std::size_t i = 0; i < scene_.materials.size(); ++i) solver_->set_material(i, changed.materials[i]);
-  solver_->set_gravity(changed.gravity);
+  for (std::size_t i = 0; i < scene_.materials.size(); ++i)
+    if (!(changed.materials[i] == scene_.materials[i])) solver_->set_material(i, changed.materials[i]);
+  if (changed.gravity != scene_.gravity) solver_->set_gravity(changed.gravity);
   scene_.materials = changed.materials;
   scene_.gravity = changed.gravity;
 }

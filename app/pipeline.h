@@ -6,6 +6,8 @@
 #include "engine/mpm/solver.h"
 #include "engine/scene/scene_desc.h"
 
+#include <functional>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,7 +38,7 @@ class Pipeline {
   /// the frame shows the last good state. An advance that `between` ended early returns an empty frame.
   Frame advance(const BetweenSteps& between = {});
 
-  /// Applies new material values and gravity; may be called between two steps.
+  /// Applies new material values and gravity; may be called between two advances.
   void apply(const SceneDesc& changed);
 
   /// Starts the fracture mesh again with other settings and replays `recorded` (frames in order); each gets its new
@@ -51,6 +53,10 @@ class Pipeline {
   const std::string& solver_choice() const { return solver_choice_; }
 
   void save(std::ostream& out) const { solver_->save(out); }
+
+  /// Goes on after `frame` from a saved state, with the same bits: recorded(n) gives back the snapshots of frames
+  /// 1..frame, from which the fracture mesh learns again what broke. @throws Error when one of them does not fit.
+  void resume(Index frame, std::istream& state, const std::function<Snapshot(Index)>& recorded);
 
  private:
   Frame make_frame(FrameReport report);

@@ -1,6 +1,7 @@
 // `rend run` and `rend remesh`.
 #include "app/run_command.h"
 
+#include "app/checkpoint.h"
 #include "app/progress.h"
 #include "app/record.h"
 #include "engine/core/error.h"
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <sstream>
 
 namespace rend {
 
@@ -67,22 +70,54 @@ class EnergyWatch {
   FrameReport last_;
 };
 
+/// The newest checkpoint that is whole; says which ones are not.
+Checkpoint newest_checkpoint(const std::filesystem::path& run_directory, std::uint64_t scene_hash) {
+  std::optional<Error> first;
+  for (const auto& file : checkpoint_files(run_directory)) {
+    try {
+      return read_checkpoint(file, scene_hash);
+    } catch (const Error& error) {
+      if (first) throw *first;
+      first = error;
+      if (checkpoint_files(run_directory).size() > 1)
+        fmt::print(stderr, "note: {}; trying the one before\n", error.what());
+    }
+  }
+  throw *first;
+}
+
+/// Puts the pipeline after the frame of a checkpoint.
+void go_on(Pipeline& pipeline, const Checkpoint& from, const RunDirectory& directory) {
+  std::istringstream state(from.state);
+  pipeline.resume(from.frame, state, [&](Index frame) { return directory.recorded(frame); });
+  fmt::print(stderr, "going on after frame {}\n", from.frame);
+}
+
 }  // namespace
 
 int run_scene(const SceneDesc& scene, const RunOptions& options) {
   const int frames = options.frames > 0 ? options.frames : scene.frames;
+  const std::uint64_t hash = motion_hash(scene);
+  Checkpoint from;
+  if (options.resume) from = newest_checkpoint(options.output.out, hash);
+  else drop_checkpoints(options.output.out);
+  if (from.frame >= frames) {
+    fmt::print(stderr, "nothing to do: {} frames are there\n", from.frame);
+    return 0;
+  }
   const auto model = prepare_model(scene);
   Pipeline pipeline(scene, model);
   fmt::print(stderr, "{}\n", pipeline.solver_choice());
   const Stage stage = make_stage(scene, *model);
-  RunDirectory directory(options.output, stage, *model);
+  RunDirectory directory(options.output, stage, *model, from.frame);
+  if (options.resume) go_on(pipeline, from, directory);
   // Solver and fracture mesh have tables of their own.
   model->tets = std::vector<Tet>();
   model->velocity = std::vector<Vec3>();
   const Clock::time_point start = Clock::now();
   EnergyWatch energy;
   ProgressLine line("running");
-  for (int n = 1; n <= frames; ++n) {
+  for (int n = static_cast<int>(from.frame) + 1; n <= frames; ++n) {
     const Frame frame = pipeline.advance();
     directory.write(frame);
     const FrameReport& report = frame.snapshot->report;
@@ -91,6 +126,11 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
       line.finish(fmt::format("stopped in frame {}: {}", n, report.reason));
       energy.tell();
       return 4;
+    }
+    if (options.checkpoint_every > 0 && n % options.checkpoint_every == 0) {
+      std::ostringstream state;
+      pipeline.save(state);
+      write_checkpoint(options.output.out, {n, std::move(state).str()}, hash);
     }
     line.show(static_cast<double>(n) / frames,
               fmt::format("frame {} of {}, {} steps, {} pieces", n, frames, report.substeps, frame.fracture.pieces));

@@ -7,12 +7,14 @@
 namespace rend {
 
 struct RunOptions {
-  int frames = 0;  ///< 0: as many as the scene says
+  int frames = 0;            ///< in all; 0: as many as the scene says
+  int checkpoint_every = 0;  ///< frames between two checkpoints; 0: none
+  bool resume = false;       ///< go on from the newest whole checkpoint of the run directory
   OutputOptions output;
 };
 
 /// Runs the scene into a run directory. Returns the exit code: 0, or 4 when the run stopped with a named reason.
-/// @throws Error when the directory cannot be used.
+/// @throws Error when the directory cannot be used, or when it holds nothing to resume from.
 int run_scene(const SceneDesc& scene, const RunOptions& options);
 
 /// Makes surfaces and pictures again from the particles recorded in `run_directory`, with the fracture settings, camera

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <fstream>
 
 namespace rend {
 
@@ -22,18 +23,41 @@ SceneDesc with_found_meshes(SceneDesc scene) {
   return scene;
 }
 
+/// Header and rows 1..count of a table that an earlier run wrote.
+std::string first_rows(const std::filesystem::path& file, Index count) {
+  std::ifstream in(file);
+  std::string line, table;
+  for (Index n = 0; n <= count; ++n) {
+    if (!std::getline(in, line)) throw Error(file.string(), fmt::format("has no row for frame {}", n));
+    const bool right = n == 0 ? line + "\n" == frame_table_header() : line.starts_with(fmt::format("{},", n));
+    if (!right) throw Error(file.string(), fmt::format("line {} is not what this version of rend writes", n + 1));
+    table += line + "\n";
+  }
+  return table;
+}
+
 }  // namespace
 
-RunDirectory::RunDirectory(OutputOptions options, const Stage& stage, const Model& model)
+RunDirectory::RunDirectory(OutputOptions options, const Stage& stage, const Model& model, Index keep)
     : options_(std::move(options)), stage_(stage), model_(model), fingerprint_(fingerprint(model)) {
   if (options_.png) renderer_.emplace(options_.gl);
   make_folder(options_.out);
   files_.emplace(options_.out, options_.formats);
   if (options_.png) make_folder(options_.out / "png");
   if (options_.record) make_folder(options_.out / "record");
+  if (keep > 0) {
+    table_ = first_rows(options_.out / "frames.csv", keep);
+    return;
+  }
   write_file(options_.out / "scene.json", write_scene(with_found_meshes(stage.scene)));
   table_ = frame_table_header();
 }
+
+std::filesystem::path RunDirectory::record_file(Index frame) const {
+  return options_.out / "record" / fmt::format("{:06}.bin", frame);
+}
+
+Snapshot RunDirectory::recorded(Index frame) const { return read_snapshot(record_file(frame), fingerprint_); }
 
 double RunDirectory::write_picture(const Frame& frame, const std::string& name) {
   const auto start = std::chrono::steady_clock::now();
@@ -50,7 +74,7 @@ void RunDirectory::write(const Frame& frame) {
   FrameCost cost{frame.fracture.seconds, 0};
   if (renderer_) cost.render_seconds = write_picture(frame, name);
   files_->write(name, *frame.surface, *frame.snapshot, model_);
-  if (options_.record) write_file(options_.out / "record" / (name + ".bin"), encode_snapshot(*frame.snapshot, fingerprint_));
+  if (options_.record) write_file(record_file(frame.snapshot->frame), encode_snapshot(*frame.snapshot, fingerprint_));
   table_ += frame_table_row(frame, cost);
   write_file(options_.out / "frames.csv", table_);
 }

@@ -25,13 +25,18 @@ struct OutputOptions {
 
 class RunDirectory {
  public:
-  /// Makes the folders and writes scene.json. @throws Error when the disk refuses or no GL context can be made.
-  RunDirectory(OutputOptions options, const Stage& stage, const Model& model);
+  /// Makes the folders and writes scene.json. With `keep` > 0 a run goes on after that frame: the table keeps its rows
+  /// up to there. @throws Error when the disk refuses, no GL context can be made or a row is missing.
+  RunDirectory(OutputOptions options, const Stage& stage, const Model& model, Index keep = 0);
 
   /// Writes what one frame leaves behind and its row of the table.
   void write(const Frame& frame);
 
+  /// The frame that record/ keeps. @throws Error when it is missing or damaged.
+  Snapshot recorded(Index frame) const;
+
  private:
+  std::filesystem::path record_file(Index frame) const;
   double write_picture(const Frame& frame, const std::string& name);
 
   OutputOptions options_;

@@ -203,6 +203,13 @@ void Session::apply(const Command& command) {
 }
 
 bool Session::keep_stepping() {
+  // A pull only adds force to the steps to come. All else waits for a complete state: the advance ends early and the
+  // frame goes on after it.
+  const auto is_pull = [](const Command& c) { return std::holds_alternative<SetPull>(c); };
+  {
+    const std::lock_guard lock(mutex_);
+    if (!std::all_of(queue_.begin(), queue_.end(), is_pull)) return false;
+  }
   apply_queue();
   const std::lock_guard lock(mutex_);
   return !quit_ && !scene_to_load_ && !restart_needed_ && wants_step();

@@ -39,7 +39,7 @@ class Solver {
   virtual Real time() const = 0;
   virtual Snapshot snapshot() const = 0;
 
-  /// Changes a material between steps; thresholds that have softened scale with the new tau_c.
+  /// Changes a material between two advances; thresholds that have softened scale with the new tau_c.
   virtual void set_material(std::size_t index, const MaterialDesc& material) = 0;
   virtual void set_gravity(const Vec3& gravity) = 0;
   virtual void set_pull(const PullForce& pull) = 0;

@@ -235,6 +235,8 @@ Response get_series(const ApiContext& context, const Request& request) {
     add("friction_energy", r.friction_energy);
     add("external_work", r.external_work);
     add("affine_energy", r.affine_energy);
+    add("start_energy", r.start_energy);
+    add("gravity_change", r.gravity_change);
     add("transfer_loss", r.transfer_loss);
     add("energy_drift", energy_drift(r));
     add("momentum_x", r.momentum.x());

@@ -71,7 +71,7 @@ void visit_report(Archive& archive, Report& r) {
   archive(r.frame), archive(r.time), archive(r.substeps), archive(r.dt_min), archive(r.dt_max);
   archive(r.sim_seconds), archive(r.particles), archive(r.mass), archive(r.momentum), archive(r.angular_momentum);
   archive(r.kinetic_energy), archive(r.elastic_energy), archive(r.gravity_energy), archive(r.dissipated_energy);
-  archive(r.affine_energy), archive(r.power), archive(r.friction_energy), archive(r.transfer_loss), archive(r.energy_turnover);
+  archive(r.start_energy), archive(r.gravity_change), archive(r.affine_energy), archive(r.power), archive(r.friction_energy), archive(r.transfer_loss), archive(r.energy_turnover);
   archive(r.external_work), archive(r.max_speed), archive(r.yielded), archive(r.damaged), archive(r.state_hash);
 }
 

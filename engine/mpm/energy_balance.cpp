@@ -35,6 +35,8 @@ void EnergyBalance::settle(FrameReport& report) {
   report.dissipated_energy = dissipated;
   report.friction_energy = nodes.friction;
   report.external_work = nodes.external;
+  report.start_energy = start - start_gravity;
+  report.gravity_change = report.gravity_energy - start_gravity;
   report.transfer_loss = start + nodes.external - energy(report) - dissipated - nodes.friction;
   report.energy_turnover = turnover;
 }

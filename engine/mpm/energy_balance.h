@@ -53,7 +53,7 @@ Real energy_drift(const FrameReport& report);
 
 /// Bounds of energy_drift() beyond which a run warns.
 inline constexpr Real kMostEnergyGained = 0.02;
-inline constexpr Real kMostEnergyLost = 0.5;
+inline constexpr Real kMostEnergyLost = 0.75;
 
 /// One sentence when the drift is out of bounds, with what to do; else empty.
 std::string energy_warning(const FrameReport& report);

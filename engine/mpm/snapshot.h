@@ -30,6 +30,8 @@ struct FrameReport {
   Real power = 0;              ///< of internal forces and gravity on the moving matter [W]
   Real friction_energy = 0;    ///< let go by friction on colliders, since the start
   Real external_work = 0;      ///< by colliders and the pull tool, since the start
+  Real start_energy = 0;       ///< kinetic and elastic at the start, and what live changes added
+  Real gravity_change = 0;     ///< of the gravity energy, since the start
   Real transfer_loss = 0;      ///< remainder of the sheet, see EnergyBalance; negative is a gain
   Real energy_turnover = 0;    ///< what transfer_loss is to be compared with, see EnergyBalance
   Real max_speed = 0;

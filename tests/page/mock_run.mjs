@@ -81,6 +81,7 @@ export class MockRun {
       status: "paused",
       scene: "tear",
       reason: null,
+      energy_warning: null,
       progress: null,
       uploads: [],
       patches: [],
@@ -151,7 +152,7 @@ export class MockRun {
     ]
       .filter(([frame]) => frame <= this.frame)
       .map(([frame, name]) => ({ frame, name }));
-    const { revision, scene, status, reason, progress, frame, frames } = this;
+    const { revision, scene, status, reason, energy_warning, progress, frame, frames } = this;
     return {
       revision,
       scene,
@@ -160,6 +161,7 @@ export class MockRun {
       status,
       message: reason?.text ?? "",
       reason,
+      energy_warning,
       progress,
       frame,
       frames,
@@ -205,6 +207,16 @@ export class MockRun {
         kinetic_energy: column((t) => 1 + (t > 0.6 ? 12 * Math.exp(-(t - 0.6) * 10) : 0)),
         elastic_energy: column(elastic),
         dissipated_energy: column((t) => 34 * Math.max(0, Math.min(1, (t - 0.35) / 0.4))),
+        affine_energy: column(() => 0.02),
+        start_energy: column(() => 0),
+        gravity_change: column(() => 0),
+        friction_energy: column(() => 0),
+        external_work: column((t) => 42 * Math.min(1, t / 0.6)),
+        transfer_loss: column((t) => 3 * t),
+        energy_drift: column((t) => 0.07 * t),
+        momentum_x: column((t) => 0.4 * Math.sin(9 * t)),
+        momentum_y: column((t) => -0.2 * t),
+        momentum_z: column(() => 0),
         broken_edges: column((t, frame) => this.counts(frame).broken_edges),
         pieces: column((t, frame) => this.counts(frame).pieces),
         sim_seconds: column(() => 0.041),

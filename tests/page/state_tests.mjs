@@ -86,6 +86,17 @@ const STATES = [
   ["view", (page) => press_tab(page, "view"), (page) => press_tab(page, "material")],
   ["plots", (page) => press_tab(page, "plots"), (page) => press_tab(page, "material")],
   [
+    "warned",
+    async (page, run) => {
+      run.set({ energy_warning: "The run has gained 3 J that nothing put in; lower cfl." });
+      await page.locator("#energy-warning").waitFor();
+    },
+    async (page, run) => {
+      run.set({ energy_warning: null });
+      await page.locator("#energy-warning").waitFor({ state: "hidden" });
+    },
+  ],
+  [
     "lost",
     async (page, run) => {
       run.down = true;
@@ -232,6 +243,54 @@ test("a stopped run names its frame and offers ways out; losing the server keeps
     "the newest frame",
     async () => (await page.locator("#read-frame").textContent()) === "9",
   );
+  await close();
+  await mock.close();
+});
+
+test("the energy sheet adds up, in joules, and leaves out what the scene never has", async () => {
+  const mock = await start_mock({ frames: 100 });
+  Object.assign(mock.run, { frame: 50 });
+  const { page, close } = await open_page(mock.url, { calm: true });
+  await until("a sheet", async () => (await page.locator("#energy-sheet div").count()) > 0);
+  const rows = await page.locator("#energy-sheet div").allInnerTexts();
+  const words = rows.map((row) => row.replace(/\s+/g, " "));
+  assert.deepEqual(
+    words.map((row) => row.replace(/ [-−\d.,e]+ J$/, "")),
+    ["+ external work", "kinetic", "elastic", "dissipated", "transfer loss"],
+  );
+  assert.ok(
+    words.every((row) => / [-−\d.,e]+ J$/.test(row)),
+    words.join("; "),
+  );
+  assert.match(words[0], /35 J/);
+  assert.match(words[4], /1\.5 J/);
+  assert.match(await page.locator("#energy-figures").innerText(), /3\.5 % lost in transfers/);
+  assert.match(await page.locator("#momentum-figures").innerText(), /y [-−]0\.1/);
+  await page.locator("#scrub").fill("100");
+  await close();
+  await mock.close();
+});
+
+test("energy out of bounds warns until it is dismissed, and again after it was in bounds", async () => {
+  const mock = await start_mock(),
+    { page, close } = await open_page(mock.url, { calm: true }),
+    banner = page.locator("#energy-warning");
+  await until("parameters", () => page.locator(".hero").count());
+  assert.equal(await banner.isVisible(), false);
+  mock.run.set({ energy_warning: "The run has gained 3 J that nothing put in; lower cfl." });
+  await banner.waitFor();
+  assert.match(await banner.innerText(), /gained 3 J/);
+  mock.run.set({ energy_warning: "The run has gained 4 J that nothing put in; lower cfl." });
+  await until("new figures", async () => /4 J/.test(await banner.innerText()));
+  await banner.getByRole("button", { name: "Dismiss the warning" }).click();
+  mock.run.set({ energy_warning: "The run has gained 5 J that nothing put in; lower cfl." });
+  await settled(page);
+  assert.equal(await banner.isVisible(), false);
+  mock.run.set({ energy_warning: null });
+  await settled(page);
+  mock.run.set({ energy_warning: "Transfers have damped 9 J, 60 % of the energy." });
+  await banner.waitFor();
+  assert.match(await banner.innerText(), /damped 9 J/);
   await close();
   await mock.close();
 });

@@ -1,4 +1,4 @@
-// Rows above the picture (stopped run, lost connection), the preparing pill, notes, and short messages.
+// Rows above the picture (stopped run, energy out of bounds, lost connection), the preparing pill, notes, and short messages.
 import { find, icon, make, set_text } from "./element.js";
 
 const SHOWN_MS = 5000;
@@ -27,6 +27,7 @@ export class Notices {
   #playhead;
   #parameters;
   #dismissed = "";
+  #warned = "";
   #shown = "";
 
   constructor(session, playhead, parameters) {
@@ -35,6 +36,7 @@ export class Notices {
     this.#parameters = parameters;
     session.on("state", (state) => {
       this.#draw_stopped(state);
+      this.#draw_warning(state);
       this.#draw_preparing(state);
       this.#draw_notes(state.notes ?? []);
     });
@@ -75,6 +77,27 @@ export class Notices {
         make("p", {}, state.reason.text, ` Frame ${good} is the last good one and is kept.`),
       ),
       make("div", { class: "row" }, ...this.#ways_out(good), this.#dismiss(key)),
+    );
+  }
+
+  // Once per scene: the words carry figures that change with every frame.
+  #draw_warning({ scene, energy_warning: text, status }) {
+    const banner = find("#energy-warning"),
+      kind = text ? `${scene} ${text.includes("gained") ? "gain" : "loss"}` : "";
+    if (!text) this.#warned = "";
+    banner.hidden = !text || kind === this.#warned || status === "stopped";
+    if (banner.hidden) return banner.replaceChildren();
+    const words = banner.querySelector("p");
+    if (words) return set_text(words, text);
+    const dismiss = () => {
+      this.#warned = kind;
+      banner.hidden = true;
+      banner.replaceChildren();
+    };
+    banner.replaceChildren(
+      icon("warn"),
+      make("div", {}, make("b", {}, "The energy balance is out of bounds."), make("p", {}, text)),
+      make("div", { class: "row" }, this.#button("button", null, dismiss, "Dismiss the warning")),
     );
   }
 

@@ -58,9 +58,17 @@ export class Plot {
 
     pen.strokeStyle = color("--line");
     pen.strokeRect(0, height - 0.5, width, 0);
-    const common = this.#most(this.#curves.filter(({ top }) => top === undefined));
+    const shared = this.#curves.filter(({ top }) => top === undefined);
+    const common = this.#most(shared);
+    const bottom = this.#least(shared);
+    const place = (value, top, low) => height - 2 - ((value - low) / (top - low)) * (height - 5);
+    if (bottom < 0) {
+      const zero = place(0, common, bottom);
+      pen.strokeRect(0, zero, width, 0);
+    }
     for (const curve of this.#curves) {
-      const top = curve.top ?? common;
+      const top = curve.top ?? common,
+        low = curve.top === undefined ? bottom : 0;
       pen.strokeStyle = color(curve.color);
       pen.lineWidth = 1.6;
       pen.lineJoin = "round";
@@ -72,7 +80,7 @@ export class Plot {
           down = false;
           return;
         }
-        const y = height - 2 - (value / top) * (height - 5);
+        const y = place(value, top, low);
         if (down) pen.lineTo(x(curve.frames[i]), y);
         else pen.moveTo(x(curve.frames[i]), y);
         down = true;
@@ -92,5 +100,11 @@ export class Plot {
     let most = 0;
     for (const { values } of curves) for (const value of values) if (value > most) most = value;
     return most || 1;
+  }
+
+  #least(curves) {
+    let least = 0;
+    for (const { values } of curves) for (const value of values) if (value < least) least = value;
+    return least;
   }
 }

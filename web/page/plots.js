@@ -1,5 +1,6 @@
-// The plots panel: energies, broken edges with pieces, and what a frame costs.
+// The plots panel: the energy balance, momentum, broken edges with pieces, and what a frame costs.
 import { find, make, set_text } from "./element.js";
+import { EnergySheet, MOMENTA } from "./energy.js";
 import { format_count, format_number } from "./quantity.js";
 import { Plot } from "./plot.js";
 
@@ -9,17 +10,14 @@ const STAGES = [
   ["render", "--edge"],
   ["encode", "--ink"],
 ];
-const ENERGIES = [
-  ["elastic_energy", "elastic", "--ink", "solid"],
-  ["kinetic_energy", "kinetic", "--edge", "dashed"],
-  ["dissipated_energy", "lost", "--warm", "solid"],
-];
 
 export class Plots {
   #series;
   #playhead;
   #session;
   #energy;
+  #sheet;
+  #momentum;
   #fracture;
 
   constructor(session, series, playhead) {
@@ -29,11 +27,8 @@ export class Plots {
     const seek = (frame) => playhead.seek(frame);
     this.#energy = new Plot(find("#energy-plot"), seek);
     this.#fracture = new Plot(find("#fracture-plot"), seek);
-    find("#energy-figures").append(
-      ...ENERGIES.map(([, name, color, dash]) =>
-        make("em", { "--key": `var(${color})`, "--dash": dash }, name),
-      ),
-    );
+    this.#sheet = new EnergySheet(series);
+    this.#momentum = new Plot(find("#momentum-plot"), seek);
     find("#cost-key").append(
       ...STAGES.map(([name]) =>
         make("span", {}, `${name} `, make("b", { id: `cost-${name}` }, "–")),
@@ -50,8 +45,10 @@ export class Plots {
   #draw() {
     const { frames, columns } = this.#series;
     const { frame, total } = this.#playhead;
-    this.#energy.show(
-      ENERGIES.map(([column, , color, dash]) => ({ values: columns[column] ?? [], color, dash })),
+    this.#energy.show(this.#sheet.curves(), frames, total, frame);
+    this.#sheet.show(frame);
+    this.#momentum.show(
+      MOMENTA.map(([column, , color, dash]) => ({ values: columns[column] ?? [], color, dash })),
       frames,
       total,
       frame,
@@ -81,12 +78,18 @@ export class Plots {
         count === 1 ? "1 piece" : `${count ?? "–"} pieces`,
       ),
     );
-    const energies = ENERGIES.map(
-      ([column, name]) => `${name} ${format_number(this.#series.at(column, frame) ?? NaN)} J`,
+    const momenta = MOMENTA.map(([column, name]) => [
+      name,
+      format_number(this.#series.at(column, frame) ?? NaN),
+    ]);
+    find("#momentum-figures").replaceChildren(
+      ...MOMENTA.map(([, name, color, dash], i) =>
+        make("em", { "--key": `var(${color})`, "--dash": dash }, `${name} ${momenta[i][1]}`),
+      ),
     );
-    find("#energy-plot").setAttribute(
+    find("#momentum-plot").setAttribute(
       "aria-label",
-      `Energies over time; now ${energies.join(", ")}`,
+      `Momentum over time; now ${momenta.map((pair) => pair.join(" ")).join(", ")} kilogram metres per second`,
     );
     find("#fracture-plot").setAttribute(
       "aria-label",

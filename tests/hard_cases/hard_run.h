@@ -2,8 +2,8 @@
 // with a name and the last good frame.
 #pragma once
 
+#include "bench/problems/lattice_model.h"
 #include "engine/mpm/tile_solver.h"
-#include "tests/mpm/lattice_model.h"
 
 #include <memory>
 #include <string>

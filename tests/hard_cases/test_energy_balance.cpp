@@ -1,8 +1,8 @@
 // The balance sheet closes: free fall, a ringing bar, friction, a torn bar, live changes.
+#include "bench/problems/kuhn_model.h"
 #include "engine/mesh/build_model.h"
 #include "engine/mpm/energy_balance.h"
 #include "tests/hard_cases/hard_run.h"
-#include "tests/mpm/kuhn_model.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -1,12 +1,12 @@
 // Inverted and degenerate elements, huge stretch, nearly incompressible matter, stiff against soft,
 // extreme thresholds, slivers (H1 to H4, H6, H10).
+#include "bench/problems/kuhn_model.h"
 #include "engine/core/error.h"
 #include "engine/core/small_matrix.h"
 #include "engine/material/material_point.h"
 #include "engine/mpm/energy_balance.h"
 #include "engine/scene/scene_reader.h"
 #include "tests/hard_cases/hard_run.h"
-#include "tests/mpm/kuhn_model.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

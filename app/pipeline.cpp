@@ -57,6 +57,7 @@ void Pipeline::apply(const SceneDesc& changed) {
   for (std::size_t i = 0; i < scene_.materials.size(); ++i)
     if (!(changed.materials[i] == scene_.materials[i])) solver_->set_material(i, changed.materials[i]);
   if (changed.gravity != scene_.gravity) solver_->set_gravity(changed.gravity);
+  if (!(scene_.materials == changed.materials)) fracture_.set_materials(changed.materials);
   scene_.materials = changed.materials;
   scene_.gravity = changed.gravity;
 }

@@ -42,9 +42,13 @@ BreakCriterion::BreakCriterion(const SceneDesc& scene, const Model& model, const
   const std::size_t count =
       material_.empty() ? 1 : 1u + *std::max_element(material_.begin(), material_.end());
   yield_strain_.assign(std::max(count, scene.materials.size()), 0);
-  for (std::size_t m = 0; m < scene.materials.size(); ++m)
-    yield_strain_[m] = yield_strain(scene.materials[m]);
-  set(scene.fracture);
+  settings_ = scene.fracture;
+  set_materials(scene.materials);
+}
+
+void BreakCriterion::set_materials(const std::vector<MaterialDesc>& materials) {
+  for (std::size_t m = 0; m < materials.size(); ++m) yield_strain_[m] = yield_strain(materials[m]);
+  set(settings_);
 }
 
 void BreakCriterion::set(const FractureDesc& settings) {

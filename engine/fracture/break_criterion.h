@@ -20,6 +20,8 @@ class BreakCriterion {
   BreakCriterion(const SceneDesc& scene, const Model& model, const TetTables& tables);
 
   void set(const FractureDesc& settings);
+  /// What the materials bear elastically from now on; as many as in the scene.
+  void set_materials(const std::vector<MaterialDesc>& materials);
 
   struct Verdict {
     std::vector<Index> edges;  ///< ids of edges to break now, ascending

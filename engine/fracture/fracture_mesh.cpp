@@ -221,7 +221,14 @@ FractureMesh::FractureMesh(FractureMesh&&) noexcept = default;
 FractureMesh& FractureMesh::operator=(FractureMesh&&) noexcept = default;
 
 FractureMesh FractureMesh::fresh(const FractureDesc& settings) const {
-  return FractureMesh(std::make_unique<State>(state_->setup, settings));
+  auto state = std::make_unique<State>(state_->setup, settings);
+  state->criterion = state_->criterion;
+  state->criterion.set(settings);
+  return FractureMesh(std::move(state));
+}
+
+void FractureMesh::set_materials(const std::vector<MaterialDesc>& materials) {
+  state_->criterion.set_materials(materials);
 }
 
 FractureMesh FractureMesh::playback(const BreakTable& table) const {

@@ -65,6 +65,9 @@ class FractureMesh {
   /// The same with a table to play back.
   FractureMesh playback(const BreakTable& table) const;
 
+  /// Materials changed while the scene runs: what they bear elastically decides what breaks next.
+  void set_materials(const std::vector<MaterialDesc>& materials);
+
   /// Breaks edges by the test of the scene. O(#edges), and work only where something broke.
   /// @throws Error at `snapshot` when it has another number of particles than the model.
   void update(const Snapshot& snapshot);

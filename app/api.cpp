@@ -3,6 +3,8 @@
 
 #include "app/api_query.h"
 #include "app/frame_formats.h"
+#include "app/pixel_probe.h"
+#include "app/pull_tool.h"
 #include "app/version.h"
 #include "engine/core/error.h"
 #include "engine/mpm/energy_balance.h"
@@ -47,6 +49,9 @@ json state_json(const SessionState& s, const Session& session, const PictureServ
                    {"target", vector_json(scene.camera.target)},
                    {"fov", scene.camera.fov}};
   out["view"] = {{"color", scene.render.color_by}, {"mode", scene.render.particles ? "particles" : "surface"}};
+  const Grip grip = suitable_grip(scene, *s.model);
+  out["grip"] = {{"radius", grip.radius}, {"strength", grip.strength}};
+  out["pull"] = pull_json(s.pull);
   const auto newest = session.frame(-1);
   if (!newest) return out;
   const FrameReport& r = newest->frame.snapshot->report;
@@ -157,10 +162,10 @@ Response post_scene(const ApiContext& context, const Request& request) {
 
 Response post_pull(const ApiContext& context, const Request& request) {
   const json body = parse_body(request);
-  SetPull set;
-  set.pull.at = read_vector(body, "at");
-  set.pull.force = read_vector(body, "force");
-  set.pull.radius = read_number(body, "radius", 0, 1e3);
+  const SetPull set = read_pull(body);
+  const RunState run = context.session.state().run;
+  if (set.pull.radius > 0 && (run == RunState::finished || run == RunState::stopped))
+    return web::problem(409, "run_ended", "The run has ended; reset it to pull.");
   context.session.send(set);
   return reply({{"revision", context.session.state().revision}});
 }
@@ -194,6 +199,40 @@ Response get_picture(const ApiContext& context, const Request& request) {
     if (left <= 0 || *request.stopping) return {204, "text/plain", "", {{"Cache-Control", "no-store"}}};
     context.session.state(state.revision, left, request.stopping);
   }
+}
+
+Response get_probe(const ApiContext& context, const Request& request) {
+  const PictureQuery query = read_picture_query(request.query);
+  const PictureShare at = read_picture_share(request.query);
+  const SessionState state = context.session.state();
+  const auto recorded = context.session.frame(query.frame);
+  if (!recorded || !state.stage) return web::problem(404, "no_frame", "this frame is not recorded");
+  const Frame& frame = recorded->frame;
+  // The frame may be older than a scene that was loaded since.
+  if (frame.snapshot->x.size() != state.model->X.size()) return web::problem(404, "no_frame", "the scene has changed");
+  json out = {{"frame", frame.snapshot->frame}, {"matter", nullptr}};
+  if (const auto found = probe_pixel(*state.stage, *state.model, frame, query.view(*state.stage), at.x, at.y)) {
+    out["matter"] = {{"position", vector_json(found->position)},
+                     {"rest", vector_json(found->rest)},
+                     {"velocity", vector_json(found->velocity)},
+                     {"material", found->material},
+                     {"particle", found->particle},
+                     {"piece", found->piece},
+                     {"crack", found->crack},
+                     {"damage", found->damage},
+                     {"threshold", found->threshold},
+                     {"stress", found->stress},
+                     {"share_of_break_threshold", found->nearness},
+                     {"yielded", found->yielded}};
+  }
+  return reply(out);
+}
+
+Response post_mesh(const ApiContext& context, const Request& request) {
+  const auto name = request.query.find("name");
+  if (name == request.query.end() || name->second.empty()) throw Error("name", "is needed: the file's name");
+  const UploadedMesh uploaded = context.uploads.add(name->second, request.body);
+  return reply({{"name", uploaded.name}, {"notes", uploaded.notes}});
 }
 
 /// A recorded frame as a picture, or as a mesh of the given format.
@@ -286,7 +325,7 @@ Response get_version(const ApiContext& context) {
   return reply({{"version", REND_VERSION},
                 {"notice", version_text()},
                 {"renderer", context.pictures.describe()},
-                {"capabilities", json::array()}});
+                {"capabilities", {"upload", "pull", "probe"}}});
 }
 
 }  // namespace
@@ -304,6 +343,9 @@ std::vector<web::Route> make_api(ApiContext c) {
       {"POST", "/api/actions/{action}", [c](const Request& r) { return post_action(c, r); }},
       {"POST", "/api/pull", [c](const Request& r) { return post_pull(c, r); }},
       {"GET", "/api/frame.jpg", [c](const Request& r) { return get_picture(c, r); }, 0, true},
+      {"GET", "/api/probe", [c](const Request& r) { return get_probe(c, r); }},
+      {"POST", "/api/meshes", [c](const Request& r) { return post_mesh(c, r); }, MeshUploads::kMostBytes, true,
+       "application/octet-stream"},
       {"GET", "/api/series", [c](const Request& r) { return get_series(c, r); }},
       {"GET", "/api/frames/{n}.png", [c](const Request& r) { return get_frame_file(c, r, nullptr); }},
   };

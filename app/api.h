@@ -1,6 +1,7 @@
 // The HTTP interface of a session: JSON in SI units, pictures, downloads.
 #pragma once
 
+#include "app/mesh_upload.h"
 #include "app/picture_service.h"
 #include "app/session.h"
 #include "web/server.h"
@@ -14,6 +15,7 @@ namespace rend {
 struct ApiContext {
   Session& session;
   PictureService& pictures;
+  MeshUploads& uploads;
 };
 
 /// All /api routes (docs/api.md).

@@ -93,6 +93,15 @@ WaitQuery read_wait_query(const Query& query) {
   return wait;
 }
 
+PictureShare read_picture_share(const Query& query) {
+  const auto share = [&](const char* key) {
+    const auto found = query.find(key);
+    if (found == query.end()) throw Error(key, "is needed: a share of the picture from 0 to 1");
+    return parse<double>(key, found->second, 0, 1);
+  };
+  return {share("x"), share("y")};
+}
+
 Index read_frame_number(const std::string& text) { return parse<Index>("frame", text, 0, 1000000000); }
 
 Real read_number(const nlohmann::json& body, const char* key, Real min, Real max) {

@@ -34,6 +34,11 @@ struct WaitQuery {
 /// All throw Error with the name of the query key and what is allowed.
 PictureQuery read_picture_query(const Query& query);
 WaitQuery read_wait_query(const Query& query);
+/// Place in the picture as shares x, y of its size from the top left, both needed.
+struct PictureShare {
+  Real x = 0, y = 0;
+};
+PictureShare read_picture_share(const Query& query);
 Index read_frame_number(const std::string& text);
 Real read_number(const nlohmann::json& body, const char* key, Real min, Real max);
 Vec3 read_vector(const nlohmann::json& body, const char* key);

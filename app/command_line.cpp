@@ -45,6 +45,22 @@ Overrides parse_overrides(const std::vector<std::string>& texts) {
   return overrides;
 }
 
+/// Options as "--port N (8080)": a word for the value and the default, without CLI11's type and range codes, which
+/// errors give.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (!option->get_option_text().empty()) return " " + option->get_option_text();
+    std::string text;
+    const std::string type = option->get_type_name();
+    if (option->get_type_size() != 0 && !option->get_positional()) text += type.starts_with("INT") ? " N" : " TEXT";
+    if (option->get_expected_max() > 1) text += " ...";
+    if (!option->get_default_str().empty()) text += " (" + option->get_default_str() + ")";
+    if (option->get_required()) text += " (needed)";
+    return text;
+  }
+};
+
 /// What the subcommands fill in; the chosen one leaves its work in `action`.
 struct CommandLine {
   std::string scene;
@@ -73,7 +89,7 @@ void parse_size(const std::string& text, int& width, int& height) {
 
 void add_scene_option(CLI::App& command, CommandLine& line) {
   command.add_option("SCENE", line.scene, "Scene file, or the name of a scene in scenes/")->required();
-  command.add_option("--set", line.set, "Replace a value of the scene: /json/pointer=value (repeatable)");
+  command.add_option("--set", line.set, "Replace a value of the scene, e.g. /grid/dx=0.02 (repeatable)")->option_text("/POINTER=VALUE");
 }
 
 void add_serve(CLI::App& app, CommandLine& line) {
@@ -83,8 +99,9 @@ void add_serve(CLI::App& app, CommandLine& line) {
   command->add_option("--port", line.serve.server.port, "Port; 0 picks a free one")
       ->check(CLI::Range(0, 65535))->capture_default_str();
   command->add_option("--listen", line.serve.server.address, "Address to listen on; others than loopback need --token")
-      ->capture_default_str();
-  command->add_option("--token", line.serve.server.token, "Secret that browsers from elsewhere must present");
+      ->option_text("ADDRESS (127.0.0.1)");
+  command->add_option("--token", line.serve.server.token, "Secret that browsers from elsewhere must present")
+      ->option_text("SECRET");
   command->callback([&line] {
     line.action = [&line] {
       SceneLibrary library(source_root());
@@ -110,15 +127,15 @@ std::vector<std::string> parse_formats(const std::string& text) {
 /// What `run` and `remesh` write, and how. Returns the option of the run directory.
 CLI::Option* add_output_options(CLI::App& command, CommandLine& line) {
   OutputOptions& output = line.run.output;
-  CLI::Option* out = command.add_option("--out", output.out, "Run directory to write");
-  command.add_option("--size", line.size, "Picture size, WxH")->capture_default_str();
+  CLI::Option* out = command.add_option("--out", output.out, "Run directory to write")->option_text("DIR");
+  command.add_option("--size", line.size, "Picture size")->option_text("WxH (1280x720)");
   command.add_option("--passes", output.accumulate, "Render passes per picture: 1 is fast, 64 is fine")
       ->check(CLI::Range(1, 1024))->capture_default_str();
   command.add_option("--png-level", output.png_level, "PNG compression, 0 to 9")->check(CLI::Range(0, 9))
       ->capture_default_str();
   command.add_flag("--png,!--no-png", output.png, "Write png/000001.png ... (on by default)");
   command.add_option("--formats", line.formats, "Files of mesh/ and particles/: ply, vtp, obj, glb with commas between; or none")
-      ->capture_default_str();
+      ->option_text("LIST (ply)");
   return out;
 }
 
@@ -131,11 +148,12 @@ void finish_output_options(CommandLine& line) {
 
 void add_run(CLI::App& app, CommandLine& line) {
   CLI::App* command = app.add_subcommand("run", "Run a scene without a browser: pictures, meshes and a table");
-  CLI::Option* resume = command->add_option("--resume", line.path,
-                                            "Go on with this run directory from its newest checkpoint");
+  CLI::Option* resume =
+      command->add_option("--resume", line.path, "Go on with this run directory from its newest checkpoint")
+          ->option_text("DIR");
   CLI::Option* scene =
       command->add_option("SCENE", line.scene, "Scene file, or the name of a scene in scenes/")->excludes(resume);
-  command->add_option("--set", line.set, "Replace a value of the scene: /json/pointer=value (repeatable)")
+  command->add_option("--set", line.set, "Replace a value of the scene, e.g. /grid/dx=0.02 (repeatable)")->option_text("/POINTER=VALUE")
       ->excludes(resume);
   add_output_options(*command, line)->excludes(resume);
   command->add_option("--frames", line.run.frames, "Frames to run in all, instead of the scene's")
@@ -165,9 +183,9 @@ void add_remesh(CLI::App& app, CommandLine& line) {
   CLI::App* command =
       app.add_subcommand("remesh", "Make surfaces and pictures again from a recorded run, without simulating");
   command->add_option("RUN", line.path, "Run directory that was written by rend run")->required();
-  command->add_option("--set", line.set, "Replace a value of the scene, e.g. /fracture/gap=0.4 (repeatable)");
+  command->add_option("--set", line.set, "Replace a value of the scene, e.g. /fracture/gap=0.4 (repeatable)")->option_text("/POINTER=VALUE");
   add_output_options(*command, line)->required();
-  command->add_option("--only", line.only, "Frame to write (repeatable); all frames by default");
+  command->add_option("--only", line.only, "Frame to write (repeatable); all frames by default")->option_text("N");
   command->callback([&line] {
     line.action = [&line] {
       finish_output_options(line);
@@ -193,8 +211,9 @@ void add_probe(CLI::App& app, CommandLine& line) {
   CLI::App* command =
       app.add_subcommand("probe", "Drive one material point along deformation gradients from a CSV file; prints CSV");
   add_scene_option(*command, line);
-  command->add_option("--material", line.material, "Material of the scene")->required();
-  command->add_option("--path", line.path, "CSV file with the header F11,F12,...,F33, one row a step")->required();
+  command->add_option("--material", line.material, "Material of the scene")->required()->option_text("NAME (needed)");
+  command->add_option("--path", line.path, "CSV file with the header F11,F12,...,F33, one row a step")->required()
+      ->option_text("FILE.csv (needed)");
   command->callback([&line] {
     line.action = [&line] {
       probe_material(line.read(), line.material, line.path, std::cout);
@@ -209,8 +228,8 @@ void add_bench(CLI::App& app, CommandLine& line) {
   command->add_option("NAME", line.bench.name, "Which benchmark")->check(CLI::IsMember(bench_names()))
       ->capture_default_str();
   command->add_flag("--quick", line.bench.quick, "Smaller problems, under two minutes");
-  command->add_option("--csv", line.bench.csv, "Write the table to this file too");
-  command->add_option("--out", line.bench.out, "Folder for table, CSV and plots of accuracy and cracks");
+  command->add_option("--csv", line.bench.csv, "Write the table to this file too")->option_text("FILE");
+  command->add_option("--out", line.bench.out, "Folder for table, CSV and plots of accuracy and cracks")->option_text("DIR");
   command->callback([&line] {
     line.action = [&line] {
       line.bench.scenes = source_root() / "scenes";
@@ -222,8 +241,8 @@ void add_bench(CLI::App& app, CommandLine& line) {
 
 void add_gallery(CLI::App& app, CommandLine& line) {
   CLI::App* command = app.add_subcommand("gallery", "Run the scenes of scenes/ and make the page docs/gallery from them");
-  command->add_option("--out", line.gallery.out, "Folder of the page instead of docs/gallery");
-  command->add_option("--only", line.gallery.only, "Scene to run (repeatable); others keep what they have");
+  command->add_option("--out", line.gallery.out, "Folder of the page instead of docs/gallery")->option_text("DIR");
+  command->add_option("--only", line.gallery.only, "Scene to run (repeatable); others keep what they have")->option_text("NAME");
   command->add_option("--passes", line.gallery.accumulate, "Render passes per picture")->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command->add_flag("--thumbs", line.thumbs, "Also write the thumbnails that the page embeds, web/page/thumbs");
@@ -251,6 +270,7 @@ int run_command_line(int argc, char** argv) {
   app.add_option("--gl", line.gl, "How to rasterise: auto, osmesa or egl")
       ->transform(CLI::CheckedTransformer(kBackends, CLI::ignore_case).description(""))->option_text("auto|osmesa|egl");
   app.fallthrough();
+  app.formatter(std::make_shared<HelpFormatter>());
   add_serve(app, line);
   add_run(app, line);
   add_remesh(app, line);

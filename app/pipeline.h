@@ -46,6 +46,7 @@ class Pipeline {
   void remesh(const FractureDesc& settings, std::vector<Frame>& recorded);
 
   void set_pull(const PullForce& pull) { solver_->set_pull(pull); }
+  const PullForce& pull() const { return solver_->pull(); }
 
   const SceneDesc& scene() const { return scene_; }
   const Model& model() const { return *model_; }

@@ -4,11 +4,13 @@
 #include "engine/scene/scene_reader.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace rend {
 
+/// Any thread; copies share what was added.
 class SceneLibrary {
  public:
   /// `root` holds scenes/ and, when the set-up could fetch them, build/models/.
@@ -26,12 +28,17 @@ class SceneLibrary {
   /// Adds a scene file from elsewhere under its own name and returns that name.
   std::string add(const std::filesystem::path& file);
 
+  /// Takes an added scene back; others stay.
+  void remove(const std::string& name);
+
   const MeshFolders& mesh_folders() const { return mesh_folders_; }
 
  private:
+  struct Added;
+
   std::filesystem::path folder_;
   MeshFolders mesh_folders_;
-  std::vector<std::pair<std::string, std::filesystem::path>> added_;
+  std::shared_ptr<Added> added_;
 };
 
 }  // namespace rend

@@ -40,7 +40,8 @@ int serve(SceneLibrary library, const ServeOptions& options) {
   library.read(options.scene);
   PictureService pictures(options.gl);
   Session session(std::move(library), options.scene);
-  web::Server server(options.server, make_api({session, pictures}));
+  MeshUploads uploads(session.library());
+  web::Server server(options.server, make_api({session, pictures, uploads}));
   fmt::print("rend is at {}  (Ctrl+C ends it)\n", server.url());
   std::fflush(stdout);
   std::thread stopper([&] {

@@ -15,6 +15,7 @@ namespace rend {
 namespace {
 
 constexpr double kModelLimit = 8e9;      // bytes; leaves room for recorded frames on a 16 GB machine
+constexpr std::chrono::seconds kLongestSilence{5};
 constexpr double kRecordingLimit = 4e9;  // bytes; beyond it the oldest frames are dropped
 
 /// Thrown through a progress callback when another scene was asked for; never leaves this file.
@@ -197,9 +198,29 @@ void Session::apply(const Command& command) {
     stage->scene = scene_;
     update([&](SessionState& s) { s.stage = std::move(stage); });
   } else if (const auto* pull = std::get_if<SetPull>(&command); pull && pipeline_) {
-    pipeline_->set_pull(pull->pull);
+    set_pull(*pull);
     if (pull->pull.radius > 0 && state_.run == RunState::paused) set_run(RunState::playing);
   }
+}
+
+void Session::set_pull(const SetPull& set) {
+  PullForce pull = set.pull;
+  if (set.keeps_grip) {
+    if (!pipeline_->pull().is_spring()) return;
+    pull.at = pipeline_->pull().at;
+  }
+  pipeline_->set_pull(pull);
+  pull_heard_ = std::chrono::steady_clock::now();
+  const auto numbers = [](const Vec3& v) { return fmt::format("[{},{},{}]", v.x(), v.y(), v.z()); };
+  log(fmt::format("\"pull\":{{\"at\":{},\"force\":{},\"radius\":{},\"target\":{},\"stiffness\":{},\"strongest\":{}}}",
+                  numbers(pull.at), numbers(pull.force), pull.radius, numbers(pull.target), pull.stiffness,
+                  pull.strongest));
+  update([&](SessionState& s) { s.pull = pull; });
+}
+
+void Session::release_forgotten_pull() {
+  // A viewer that holds a spring speaks at least once a second; one that left must not pull for ever.
+  if (pipeline_->pull().is_spring() && std::chrono::steady_clock::now() - pull_heard_ > kLongestSilence) set_pull({});
 }
 
 bool Session::keep_stepping() {
@@ -211,14 +232,30 @@ bool Session::keep_stepping() {
     if (!std::all_of(queue_.begin(), queue_.end(), is_pull)) return false;
   }
   apply_queue();
+  release_forgotten_pull();
   const std::lock_guard lock(mutex_);
   return !quit_ && !scene_to_load_ && !restart_needed_ && wants_step();
 }
 
 void Session::prepare(const std::string& name) {
+  // Nothing of the scene before stays: its title, views and frames would be taken for those of the new one.
+  pipeline_.reset();
+  model_.reset();
+  recorded_bytes_ = 0;
   update([&](SessionState& s) {
     s.run = RunState::preparing;
     s.scene_name = name;
+    s.stage.reset();
+    s.model.reset();
+    s.loaded.reset();
+    s.controls.clear();
+    s.notes.clear();
+    s.events.clear();
+    s.pull = {};
+    recorded_.clear();
+    s.first_frame = 0;
+    s.last_frame = -1;
+    ++s.data;
     s.message.clear();
     s.progress_stage = "reading";
     s.progress_share = 0;
@@ -248,6 +285,7 @@ void Session::prepare(const std::string& name) {
     const auto stage = std::make_shared<Stage>(make_stage(scene_, *model_));
     update([&](SessionState& s) {
       s.stage = stage;
+      s.model = model_;
       s.loaded = std::make_shared<SceneDesc>(scene_);
       s.controls = make_controls(scene_);
       s.notes = model_->notes;
@@ -272,6 +310,7 @@ void Session::start_pipeline() {
     recorded_.clear();
     s.first_frame = 0;
     s.last_frame = -1;
+    s.pull = {};
     ++s.data;
     s.events.clear();
     s.message.clear();
@@ -290,6 +329,7 @@ void Session::step_frame() {
   frames_to_step_ = std::max(0, frames_to_step_ - 1);
   update([&](SessionState& s) {
     s.frames_per_second = seconds > 0 ? 1 / seconds : 0;
+    s.pull = pipeline_->pull();
     if (report.status != Status::ok) {
       s.run = RunState::stopped;
       s.message = report.reason;

@@ -9,6 +9,7 @@
 #include "app/view.h"
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -32,7 +33,10 @@ struct Pause {};
 struct Step { int frames; };
 struct Reset {};
 struct SetValues { std::map<std::string, Real> values; };  ///< control id -> value, checked before it is queued
-struct SetPull { PullForce pull; };
+struct SetPull {
+  PullForce pull;
+  bool keeps_grip = false;  ///< the spring that acts goes on from its grip; without one nothing happens
+};
 using Command = std::variant<LoadScene, Play, Pause, Step, Reset, SetValues, SetPull>;
 
 /// A moment that the timeline marks.
@@ -57,6 +61,8 @@ struct SessionState {
   double frames_per_second = 0;
   std::vector<Event> events;
   std::vector<std::string> notes;
+  std::shared_ptr<const Model> model;  ///< of the stage's scene
+  PullForce pull;                      ///< as it was at the newest frame
 };
 
 /// One recorded frame with what it cost.
@@ -86,6 +92,7 @@ class Session {
   std::vector<std::shared_ptr<const RecordedFrame>> frames_from(Index from) const;
 
   const SceneLibrary& library() const { return library_; }
+  SceneLibrary& library() { return library_; }
 
   /// Every applied command as one JSON line with the simulated time; replays the run together with the scene.
   std::vector<std::string> command_log() const;
@@ -98,6 +105,8 @@ class Session {
   bool keep_stepping();
   void prepare(const std::string& name);
   void start_pipeline();
+  void set_pull(const SetPull& set);
+  void release_forgotten_pull();
   void step_frame();
   void record(Frame frame);
   void remesh();
@@ -124,6 +133,7 @@ class Session {
   bool restart_needed_ = false;
   bool remesh_needed_ = false;
   int frames_to_step_ = 0;                   ///< single steps that are still owed
+  std::chrono::steady_clock::time_point pull_heard_;  ///< when a viewer last spoke of the pull
   double recorded_bytes_ = 0;
 
   std::thread thread_;                       ///< last: starts when everything else stands

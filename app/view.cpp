@@ -116,6 +116,8 @@ Stage make_stage(const SceneDesc& scene, const Model& model) {
   return stage;
 }
 
+Real particle_radius(const Stage& stage) { return 0.55 * stage.spacing; }
+
 Drawing make_drawing(const Stage& stage, const Frame& frame, const View& view) {
   const Snapshot& snapshot = *frame.snapshot;
   Drawing drawing;
@@ -126,7 +128,7 @@ Drawing make_drawing(const Stage& stage, const Frame& frame, const View& view) {
     if (auto prop = make_prop(collider, snapshot.time)) list.props.push_back(std::move(*prop));
   if (view.particles) {
     auto points = std::make_shared<PointCloud>();
-    points->radius = static_cast<float>(0.55 * stage.spacing);
+    points->radius = static_cast<float>(particle_radius(stage));
     points->x.reserve(snapshot.x.size());
     for (const Vec3& x : snapshot.x) points->x.push_back(x.cast<float>());
     drawing.points = std::move(points);

@@ -39,6 +39,9 @@ struct Stage {
 /// The floor is where the scene says, else a horizontal plane collider, else just below the matter at rest.
 Stage make_stage(const SceneDesc& scene, const Model& model);
 
+/// Radius that particles are drawn with [m].
+Real particle_radius(const Stage& stage);
+
 /// A draw list together with the storage it points into.
 struct Drawing {
   std::shared_ptr<const SurfaceMesh> surface;

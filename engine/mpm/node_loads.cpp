@@ -22,6 +22,17 @@ Real NodeLoads::falloff(const Vec3& x) const {
   return s > 0 ? s * s : 0;
 }
 
+PulledMatter NodeLoads::pulled(const Vec3& x, Real mass, const Vec3& v) const {
+  const Real share = mass * falloff(x);
+  return {share, share * v};
+}
+
+void NodeLoads::set_pulled(const PulledMatter& matter, Real dt, PullForce& pull) {
+  pulled_mass_ = matter.mass;
+  advance_spring(pull, matter, dt);
+  pull_.force = pull.force;
+}
+
 NodeLoads::Near NodeLoads::near(const Vec3& centre, Real radius) const {
   Near out;
   for (const PosedCollider& c : colliders_)

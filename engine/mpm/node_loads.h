@@ -23,8 +23,13 @@ class NodeLoads {
 
   /// Share (0..1) of the pull at a point, (1 - r^2/R^2)^2 inside the radius.
   Real falloff(const Vec3& x) const;
-  /// Mass that the pull acts on, sum of m falloff(x) over all nodes [kg].
-  void set_pulled_mass(Real mass) { pulled_mass_ = mass; }
+  /// What the pull acts on: m falloff(x) (1, v) of a node of mass m [kg] and velocity v, to be
+  /// summed.
+  PulledMatter pulled(const Vec3& x, Real mass, const Vec3& v) const;
+  /// Lets the pull act on this matter in a step dt [s]; `pull` keeps how a spring goes on.
+  void set_pulled(const PulledMatter& matter, Real dt, PullForce& pull);
+  /// Marks the pull as holding something, where only its place matters.
+  void assume_pulled() { pulled_mass_ = 1; }
 
   /// Colliders that nodes within `radius` of `centre` can meet.
   struct Near {

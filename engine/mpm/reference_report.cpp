@@ -149,6 +149,9 @@ void ReferenceSolver::save(std::ostream& out) const {
   writer.put(pull_.at);
   writer.put(pull_.force);
   writer.put(pull_.radius);
+  writer.put(pull_.target);
+  writer.put(pull_.stiffness);
+  writer.put(pull_.strongest);
   for (const SolverMaterial& material : materials_) put_material(writer, material.desc);
   writer.put(particles_.x);
   writer.put(particles_.v);
@@ -181,6 +184,9 @@ void ReferenceSolver::load(std::istream& in) {
   reader.get(pull.at);
   reader.get(pull.force);
   reader.get(pull.radius);
+  reader.get(pull.target);
+  reader.get(pull.stiffness);
+  reader.get(pull.strongest);
   std::vector<SolverMaterial> materials;
   for (const SolverMaterial& material : materials_)
     materials.emplace_back(get_material(reader, material.desc));

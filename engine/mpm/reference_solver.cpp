@@ -125,13 +125,20 @@ void ReferenceSolver::update_grid(Real dt) {
   const Index blocks = static_cast<Index>(grid_.grid_blocks().size());
   NodeLoads loads(scene_.colliders, pull_, time_ + dt, node_rule_);
   if (loads.pulls())
-    loads.set_pulled_mass(ordered_sum(blocks, 8, 0.0, [&](Index b) {
-      Real sum = 0;
-      for (int n = 0; n < BlockGrid::kNodes; ++n)
-        if (grid_.nodes(b)[n].mass > 0)
-          sum += grid_.nodes(b)[n].mass * loads.falloff(grid_.position(b, n, dx_));
-      return sum;
-    }));
+    loads.set_pulled(
+        ordered_sum(blocks, 8, PulledMatter(),
+                    [&](Index b) {
+                      PulledMatter sum;
+                      for (int n = 0; n < BlockGrid::kNodes; ++n) {
+                        const GridNode& node = grid_.nodes(b)[n];
+                        if (node.mass > 0)
+                          sum += loads.pulled(
+                              grid_.position(b, n, dx_), node.mass,
+                              (node.momentum + dt * node.force) / node.mass + dt * gravity_);
+                      }
+                      return sum;
+                    }),
+        dt, pull_);
   const Real block_radius = 0.5 * std::sqrt(3.0) * (BlockGrid::kEdge - 1) * dx_;
 
   balance_.nodes += ordered_sum(blocks, 8, NodeWork(), [&](Index b) {

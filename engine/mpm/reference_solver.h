@@ -34,6 +34,7 @@ class ReferenceSolver : public Solver {
   void set_material(std::size_t index, const MaterialDesc& material) override;
   void set_gravity(const Vec3& gravity) override;
   void set_pull(const PullForce& pull) override { pull_ = pull; }
+  const PullForce& pull() const override { return pull_; }
   void set_node_rule(NodeRule rule) override { node_rule_ = std::move(rule); }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;

@@ -1,6 +1,7 @@
 // The interface of both solvers: advance, look, steer, save.
 #pragma once
 
+#include "engine/mpm/pull.h"
 #include "engine/mpm/snapshot.h"
 #include "engine/scene/model.h"
 #include "engine/scene/scene_desc.h"
@@ -14,14 +15,6 @@ namespace rend {
 /// Called between two substeps; returning false ends the advance early (the frame is not complete
 /// then).
 using BetweenSteps = std::function<bool()>;
-
-/// A force that pulls matter near a point: f = strength * falloff(|x - at|), for the page's pull
-/// tool.
-struct PullForce {
-  Vec3 at = Vec3::Zero();     ///< [m]
-  Vec3 force = Vec3::Zero();  ///< total force [N]
-  Real radius = 0;            ///< [m]; 0 is off
-};
 
 /// Velocity [m/s] of a grid node at x [m] at the end `time` [s] of a step of length dt, given its
 /// velocity v after forces, gravity, pull and contact; called on any thread.
@@ -43,6 +36,8 @@ class Solver {
   virtual void set_material(std::size_t index, const MaterialDesc& material) = 0;
   virtual void set_gravity(const Vec3& gravity) = 0;
   virtual void set_pull(const PullForce& pull) = 0;
+  /// The pull as it stands: the grip of a spring has moved.
+  virtual const PullForce& pull() const = 0;
   /// A body force or boundary condition that no scene describes, as manufactured solutions need; an
   /// empty rule is off. Not part of save().
   virtual void set_node_rule(NodeRule rule) = 0;

@@ -158,7 +158,7 @@ void TileSolver::begin_leg(Real remaining) {
   lone_reach_ = std::clamp(kStepsOfLeg * dt * speed, 0.1, 2.0);
   lone_travel_ = 0;
   NodeLoads loads(scene_.colliders, pull_, time_, node_rule_);
-  loads.set_pulled_mass(1);
+  loads.assume_pulled();
   const Real clearance = (1.5 * std::sqrt(3.0) + 2 * lone_reach_) * dx_;
   const std::vector<std::uint8_t> flags =
       find_lone_blocks(store_, lone_reach_, [&](const Vec3& x, const TileRun& run) {

@@ -115,6 +115,9 @@ void TileSolver::save(std::ostream& out) const {
   writer.put(pull_.at);
   writer.put(pull_.force);
   writer.put(pull_.radius);
+  writer.put(pull_.target);
+  writer.put(pull_.stiffness);
+  writer.put(pull_.strongest);
   for (std::size_t m = 0; m < scene_.materials.size(); ++m)
     put_material(writer, materials_[m].desc);
   writer.put(s.store.layout);
@@ -143,6 +146,9 @@ void TileSolver::load(std::istream& in) {
   reader.get(pull.at);
   reader.get(pull.force);
   reader.get(pull.radius);
+  reader.get(pull.target);
+  reader.get(pull.stiffness);
+  reader.get(pull.strongest);
   std::vector<Material> materials;
   for (std::size_t m = 0; m < scene_.materials.size(); ++m) {
     const MaterialDesc desc = get_material(reader, materials_[m].desc);

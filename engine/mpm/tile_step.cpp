@@ -162,11 +162,16 @@ Real TileSolver::grid_pass(Real dt) {
               node + 4 * n);
   };
   if (loads.pulls())
-    loads.set_pulled_mass(ordered_sum(grid_.count(), 8, 0.0, [&](Index g) {
-      Real mass = 0;
-      each_node(g, [&](const Vec3& x, Real m, float*) { mass += m * loads.falloff(x); });
-      return mass;
-    }));
+    loads.set_pulled(ordered_sum(grid_.count(), 8, PulledMatter(),
+                                 [&](Index g) {
+                                   PulledMatter sum;
+                                   each_node(g, [&](const Vec3& x, Real m, const float* node) {
+                                     sum +=
+                                         loads.pulled(x, m, dx_ * Vec3(node[0], node[1], node[2]));
+                                   });
+                                   return sum;
+                                 }),
+                     dt, pull_);
   const Real radius = 1.5 * std::sqrt(3.0) * dx_;
   struct Loaded {
     NodeWork work;

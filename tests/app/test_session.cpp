@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -76,6 +77,38 @@ TEST_CASE("a bar tears at its threshold and holds when the threshold is raised w
   CHECK(bench.session->frame(kLooked)->frame.fracture.pieces == 1);
   CHECK(bench.session->frame(kLooked)->frame.fracture.broken_edges == 0);
   CHECK(bench.session->command_log().size() >= 2);
+}
+
+TEST_CASE("a spring holds its grip, plays, is reported and let go") {
+  Bench bench;
+  const auto pull_now = [&] { return bench.session->state().pull; };
+  SetPull move;
+  move.pull.radius = 0.1;
+  move.pull.stiffness = 100;
+  move.pull.strongest = 20;
+  move.pull.target = Vec3(0, 0.2, 0);
+  move.keeps_grip = true;
+  bench.session->send(move);
+  bench.session->send(Step{1});
+  bench.wait([](const SessionState& s) { return s.last_frame >= 1; });
+  CHECK(pull_now().radius == 0);  // nothing to hold on to
+
+  move.keeps_grip = false;
+  bench.session->send(move);
+  SessionState s = bench.wait([](const SessionState& now) { return now.last_frame >= 3 && now.pull.radius > 0; });
+  CHECK(s.run == RunState::playing);
+  CHECK(s.pull.force.y() > 0);
+  const Vec3 grip = s.pull.at;
+  CHECK(grip.y() > 0);
+  move.keeps_grip = true;
+  move.pull.target = Vec3(0, -0.2, 0);
+  bench.session->send(move);
+  s = bench.wait([](const SessionState& now) { return now.pull.target.y() < 0; });
+  CHECK((s.pull.at - grip).norm() < 0.1);
+  bench.session->send(SetPull{});
+  bench.wait([](const SessionState& now) { return now.pull.radius == 0; });
+  const std::vector<std::string> log = bench.session->command_log();
+  CHECK(std::count_if(log.begin(), log.end(), [](const std::string& l) { return l.find("\"pull\"") != l.npos; }) == 3);
 }
 
 TEST_CASE("commands are checked before they are queued") {

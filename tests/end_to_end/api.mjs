@@ -67,6 +67,63 @@ test("bad requests are refused with a problem that names the place", async () =>
   assert.equal((await server.get("/api/nothing")).status, 404);
 });
 
+test("a spring pulls at what a probe finds, and is refused without a grip to move or with bad numbers", async () => {
+  await server.send("POST", "/api/actions/reset");
+  await server.until((s) => s.frame === 0);
+  await server.send("POST", "/api/actions/pause");
+  const { body: look } = await server.get("/api/probe?x=0.4&y=0.5&w=640&h=360");
+  assert.ok(look.matter, "there is matter in the middle");
+  assert.equal(look.matter.material, "clay");
+  assert.equal((await server.get("/api/probe?x=0.01&y=0.01&w=640&h=360")).body.matter, null);
+  assert.equal((await server.get("/api/probe?x=2&y=0.5")).status, 422);
+  assert.equal((await server.get("/api/probe?y=0.5")).status, 422);
+  const { grip } = (await server.get("/api/state")).body;
+  const at = look.matter.position;
+  const target = [at[0], at[1] + 0.3, at[2]];
+  const bad = await server.send("POST", "/api/pull", { at, target, radius: grip.radius, strength: -1 });
+  assert.equal(bad.status, 422);
+  assert.equal(bad.body.pointer, "/strength");
+  const pull = await server.send("POST", "/api/pull", { at, target, ...grip });
+  assert.equal(pull.status, 200);
+  const held = await server.until((s) => s.frame >= 2 && s.pull);
+  assert.equal(held.status, "playing");
+  assert.ok(Math.hypot(...held.pull.force) > 0);
+  assert.ok(held.pull.at[1] > at[1], "the grip goes up with the matter");
+  await server.send("POST", "/api/pull", { radius: 0 });
+  await server.until((s) => s.pull === null);
+  await server.send("POST", "/api/actions/pause");
+});
+
+test("an uploaded mesh becomes a scene that runs; a bad one is refused and leaves the run alone", async () => {
+  const upload = async (name, text) => {
+    const response = await fetch(`${server.url}/api/meshes?name=${encodeURIComponent(name)}`, {
+      method: "POST",
+      headers: { "Content-Type": "application/octet-stream" },
+      body: text,
+    });
+    return { status: response.status, body: await response.json() };
+  };
+  const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `v ${i & 1 ? 3 : 0} ${(i >> 1) & 1} ${i >> 2}`);
+  const box = [...corners, "f 1 3 4 2", "f 5 6 8 7", "f 1 2 6 5", "f 3 7 8 4", "f 1 5 7 3", "f 2 4 8 6"].join("\n");
+  const refused = await upload("broken.obj", "v 0 0 0\nf 1 1 1\n");
+  assert.equal(refused.status, 422);
+  assert.match(refused.body.detail, /broken\.obj/);
+  assert.equal((await upload("virus.exe", "MZ")).status, 422);
+  assert.equal((await server.get("/api/state")).body.scene, "tear");
+  const { status, body } = await upload("my brick.obj", box);
+  assert.equal(status, 200);
+  assert.equal(body.name, "my_brick");
+  const { scenes } = (await server.get("/api/scenes")).body;
+  assert.equal(scenes[0].name, "my_brick");
+  assert.equal((await server.send("POST", "/api/scene", { name: "my_brick" })).status, 200);
+  await server.until((s) => s.scene === "my_brick" && s.status === "paused");
+  await server.send("POST", "/api/actions/step", { frames: 1 });
+  const stepped = await server.until((s) => s.frame === 1);
+  assert.ok(stepped.particles > 10000 && stepped.particles < 50000, `${stepped.particles} particles`);
+  await server.send("POST", "/api/scene", { name: "tear" });
+  await server.until((s) => s.scene === "tear" && s.status === "paused");
+});
+
 test("with its own threshold the bar tears, with a high one it holds", { timeout: 900_000 * patience }, async () => {
   const finished = (s) => s.status === "finished" || s.status === "stopped";
   await server.send("POST", "/api/actions/play");

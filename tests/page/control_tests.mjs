@@ -153,6 +153,26 @@ test("scenes load from the gallery with their thumbnails", async () => {
   });
 });
 
+test("title, view and sliders of another scene come when it has been prepared", async () => {
+  await with_page(async (page, run) => {
+    await until("a picture", () => run.frame_requests.length);
+    run.set({ scene: "twist", bare: true, status: "preparing", progress: { stage: "particles", share: 0.1 } });
+    await page.locator("#preparing").waitFor();
+    assert.equal(await page.locator("#scene-note").textContent(), "");
+    run.set({ bare: false, status: "paused", progress: null, view: { color: "stress", mode: "particles" } });
+    await until(
+      "its name",
+      async () => (await page.locator("#scene-title").textContent()) === "Twisted bar",
+    );
+    assert.match(await page.locator("#scene-note").textContent(), /270 degrees/);
+    await until("its view", () => {
+      const { color, mode } = run.frame_requests.at(-1);
+      return color === "stress" && mode === "particles";
+    });
+    assert.equal(await page.locator("[name=view-mode]:checked").inputValue(), "particles");
+  });
+});
+
 test("a mesh by drop is sent and opened, a bad one refused with its reason", async () => {
   await with_page(async (page, run, { troubles }) => {
     const drop = (name, text) =>

@@ -27,6 +27,28 @@ export function core_tests(url, prefix) {
     );
   };
 
+  /// A place in the window under which there is matter.
+  const place_of_body = async (page) => {
+    const box = await page.locator("#picture").boundingBox();
+    for (let i = 0; i < 60; i++) {
+      const x = 0.5 + 0.3 * Math.sin(i * 2.4) * (i / 60),
+        y = 0.5 + 0.2 * Math.cos(i * 2.4) * (i / 60);
+      await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+      const found = await page.evaluate(async ([sx, sy]) => {
+        const seen = performance
+          .getEntriesByType("resource")
+          .filter(({ name }) => name.includes("/api/frame.jpg"))
+          .at(-1);
+        const query = new URL(seen.name).searchParams;
+        for (const [key, value] of [["x", sx], ["y", sy], ["frame", "live"]]) query.set(key, value);
+        for (const key of ["after", "wait"]) query.delete(key);
+        return (await (await fetch(`/api/probe?${query}`)).json()).matter !== null;
+      }, [x, y]);
+      if (found) return { x: box.x + x * box.width, y: box.y + y * box.height };
+    }
+    throw new Error("no matter in sight");
+  };
+
   test("the page loads, shows a picture and the run plays", async () => {
     const page = await ready();
     await until(
@@ -121,14 +143,42 @@ export function core_tests(url, prefix) {
       if (request.url().includes("/api/frame.jpg")) eyes.push(eye_of(request));
     });
     const box = await page.locator("#picture").boundingBox();
-    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    const beside = { x: box.x + box.width / 2, y: box.y + box.height * 0.06 };
+    await page.mouse.move(beside.x, beside.y);
     await page.mouse.down();
-    await page.mouse.move(box.x + box.width / 2 + 90, box.y + box.height / 2 + 20, { steps: 6 });
+    await page.mouse.move(beside.x + 90, beside.y + 20, { steps: 6 });
     await page.mouse.up();
     await until("a still of the turned view", () => eyes.length >= 2);
     const turned = eyes.at(-1);
     await page.locator("#fit-button").click();
     await until("the scene's own view", () => eyes.at(-1) !== turned);
+  });
+
+  test("pulling at the body plays and shows its force, probing tells its state, a copied link its place", async () => {
+    const page = await ready();
+    await reset(page);
+    const body = await place_of_body(page);
+    await page.keyboard.press("1");
+    await page.mouse.move(body.x, body.y);
+    await page.mouse.down();
+    await page.mouse.move(body.x + 30, body.y - 60, { steps: 5 });
+    await until("a force", async () =>
+      /[1-9].* k?N/.test((await page.locator("#grip-force").textContent()) ?? ""), FRAME_MS);
+    await until("time goes on", async () => (await frame_of(page)) >= 1, FRAME_MS);
+    await picture_of(page, `${prefix}pulling`);
+    await page.mouse.up();
+    await until("let go", () => page.locator("#grip").evaluate((node) => node.hasAttribute("hidden")));
+    await pause(page);
+    await page.keyboard.press("2");
+    const again = await place_of_body(page);
+    await page.mouse.move(again.x, again.y);
+    await until("a card", () => page.locator("#probe").isVisible());
+    assert.match(await page.locator("#probe").innerText(), /Threshold[^]*Pa[^]*At rest[^]* m/);
+    await picture_of(page, `${prefix}probing`);
+    await page.keyboard.press("1");
+    await until("no card", async () => !(await page.locator("#probe").isVisible()));
+    await page.locator("#link-button").click();
+    await until("a link", async () => /#scene=.*eye=/.test(page.url()));
   });
 
   test("Reset goes back to frame 0 and Space plays again", async () => {

@@ -86,12 +86,16 @@ export class MockRun {
       uploads: [],
       patches: [],
       actions: [],
+      pull: null,
+      pulls: [],
+      probes: [],
       frame_requests: [],
       patch_ms: 0,
       picture_ms: 0,
       patches_in_flight: 0,
       most_patches_in_flight: 0,
       down: false,
+      bare: false,
     });
     this.parameters = parameters();
     this.waiting = new Set();
@@ -153,6 +157,7 @@ export class MockRun {
       .filter(([frame]) => frame <= this.frame)
       .map(([frame, name]) => ({ frame, name }));
     const { revision, scene, status, reason, energy_warning, progress, frame, frames } = this;
+    if (this.bare) return { revision, scene, status, progress, frame: 0, events: [], notes: [], message: "" };
     return {
       revision,
       scene,
@@ -174,8 +179,11 @@ export class MockRun {
       frames_per_second: 14,
       seconds: { simulate: 0.041, remesh: 0.012, render: 0.015, encode: 0.003 },
       ...this.counts(frame),
+      view: this.view,
       camera: { eye: [-1.15, 0.95, 1.75], target: [0, 0.27, 0], fov: 30 },
       events,
+      grip: { radius: 0.06, strength: 40 },
+      pull: this.pull,
       notes: [
         "The body is split into 20,480 particles on 8 per cell.",
         "Surface particles lie on the surface.",
@@ -241,6 +249,38 @@ export class MockRun {
       this.parameters.find((entry) => entry.id === id).value = value;
     this.changed();
     return [];
+  }
+
+  /// The body fills the middle of the picture; what it says of its matter depends on the place.
+  probe(query) {
+    const [x, y] = ["x", "y"].map((name) => Number(query.get(name)));
+    this.probes.push({ x, y, frame: query.get("frame") });
+    if (Math.abs(x - 0.5) > 0.2 || Math.abs(y - 0.5) > 0.2) return { frame: this.frame, matter: null };
+    return {
+      frame: this.frame,
+      matter: {
+        position: [0.1, 0.27, 0],
+        rest: [0.08, 0.25, 0],
+        velocity: [0.3, 0, 0.08],
+        material: "clay",
+        particle: 12044,
+        piece: 2,
+        crack: false,
+        damage: 0.62,
+        threshold: 7600,
+        stress: 5200,
+        share_of_break_threshold: 0.31,
+        yielded: true,
+      },
+    };
+  }
+
+  act_on(pull) {
+    this.pulls.push(pull);
+    const { radius, at = this.pull?.at, target } = pull;
+    this.pull = radius ? { at, target, radius, force: [3, 4, 0] } : null;
+    if (radius && this.status === "paused") this.status = "playing";
+    this.changed();
   }
 
   act(name, body) {

@@ -130,6 +130,14 @@ async function answer_api(run, request, url, response) {
     run.act(action[1], JSON.parse((await body_of(request)) || "{}"));
     return json(response, 200, { revision: run.revision });
   }
+  if (what === "GET /api/probe") return json(response, 200, run.probe(query));
+  if (what === "POST /api/pull") {
+    const pull = JSON.parse(await body_of(request));
+    if (pull.radius && run.status === "finished")
+      return json(response, 409, { title: "Run ended", detail: "The run has ended; reset it to pull." });
+    run.act_on(pull);
+    return json(response, 200, { revision: run.revision });
+  }
   if (what === "GET /api/frame.jpg") return send_frame(run, query, response);
   if (what === "GET /api/series")
     return json(response, 200, run.series(Number(query.get("from") ?? 0)));

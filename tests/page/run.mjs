@@ -16,6 +16,8 @@ if (real_url) {
   await import("./time_tests.mjs");
   await import("./control_tests.mjs");
   await import("./quantity_tests.mjs");
+  await import("./tool_tests.mjs");
+  await import("./link_tests.mjs");
   await import("./state_tests.mjs");
 }
 

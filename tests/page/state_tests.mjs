@@ -97,6 +97,29 @@ const STATES = [
     },
   ],
   [
+    "pulling",
+    async (page, run) => {
+      run.set({
+        pull: { at: [0, 0.27, 0], target: [0.2, 0.5, 0], radius: 0.06, force: [1200, 0, 0] },
+      });
+      await page.locator("#grip-force").waitFor();
+      await page.locator(".tool[data-tool=pull]").click();
+    },
+    async (page, run) => {
+      await page.locator(".tool[data-tool=pull]").click();
+      run.set({ pull: null });
+    },
+  ],
+  [
+    "probing",
+    async (page) => {
+      await page.locator(".tool[data-tool=probe]").click();
+      await page.locator("#picture").hover();
+      await page.locator("#probe").waitFor();
+    },
+    async (page) => page.locator(".tool[data-tool=pull]").click(),
+  ],
+  [
     "lost",
     async (page, run) => {
       run.down = true;

@@ -178,10 +178,10 @@ test("at most one picture in flight; small and fast while turning, a full still 
       });
     }
     const box = await page.locator("#picture").boundingBox();
-    await page.mouse.move(box.x + 300, box.y + 300);
+    await page.mouse.move(box.x + 300, box.y + 40);
     await page.mouse.down();
     for (let i = 1; i <= 12; i++) {
-      await page.mouse.move(box.x + 300 + 12 * i, box.y + 300 + 3 * i);
+      await page.mouse.move(box.x + 300 + 12 * i, box.y + 40 + 3 * i);
       await page.waitForTimeout(20);
     }
     await page.mouse.up();
@@ -214,7 +214,7 @@ test("wheel, keys and two fingers move the camera", async () => {
     const far = distance(),
       home = target();
     const box = await page.locator("#picture").boundingBox();
-    await page.mouse.move(box.x + 300, box.y + 300);
+    await page.mouse.move(box.x + 300, box.y + 40);
     await page.mouse.wheel(0, -240);
     await until("closer", () => distance() < far * 0.95);
     await page.locator("#picture").focus();

@@ -22,7 +22,7 @@ export const MOMENTA = [
 ];
 
 // Shares of the largest energy below which an entry is left out.
-const NOTHING = 1e-6;
+const NOTHING = 1e-4;
 
 export class EnergySheet {
   #series;

@@ -1,12 +1,39 @@
-// Mouse, touch and keys on the picture move the camera.
+// Mouse, touch and keys on the picture move the camera, unless a tool takes the press.
 
 const RADIANS_PER_PIXEL = 0.006;
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-/// Calls `moved()` after every change of the camera, `held(true | false)` when the first pointer presses, the last leaves.
-export function watch_gestures(canvas, camera, { moved, held }) {
+/// Calls `moved()` after every change of the camera, `held(true | false)` when the first pointer presses, the last
+/// leaves. A first plain press is offered to `take(place)`, place {x, y} in shares of the picture: null leaves it to
+/// the camera, else {wanted, move(place), end()}, where `wanted` promises whether the tool keeps it.
+export function watch_gestures(canvas, camera, { moved, held, take = () => null }) {
   const pointers = new Map();
-  let pinch = null;
+  let pinch = null,
+    claim = null;
+
+  const place_of = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return { x: (event.clientX - box.x) / box.width, y: (event.clientY - box.y) / box.height };
+  };
+  const orbit = (dx, dy) => camera.orbit(-dx * RADIANS_PER_PIXEL, dy * RADIANS_PER_PIXEL);
+  const offer = async (event) => {
+    const mine = take(place_of(event));
+    claim = mine && { ...mine, dx: 0, dy: 0, kept: false };
+    const offered = claim;
+    if (!offered) return;
+    const kept = await offered.wanted.catch(() => false);
+    if (offered !== claim) return;
+    offered.kept = kept;
+    if (kept) return held(false);
+    // What the pointer did meanwhile was meant for the camera.
+    claim = null;
+    orbit(offered.dx, offered.dy);
+    if (offered.dx || offered.dy) moved();
+  };
+  const drop_claim = () => {
+    claim?.end();
+    claim = null;
+  };
 
   const center = () => {
     const all = [...pointers.values()];
@@ -28,6 +55,8 @@ export function watch_gestures(canvas, camera, { moved, held }) {
     pinch = pointers.size > 1 ? center() : null;
     canvas.classList.add("turning");
     held(true);
+    drop_claim();
+    if (pointers.size === 1 && !moves) offer(event);
   });
   canvas.addEventListener("pointermove", (event) => {
     const pointer = pointers.get(event.pointerId);
@@ -36,6 +65,12 @@ export function watch_gestures(canvas, camera, { moved, held }) {
       dy = event.clientY - pointer.y;
     pointer.x = event.clientX;
     pointer.y = event.clientY;
+    if (claim) {
+      if (claim.kept) claim.move(place_of(event));
+      claim.dx += dx;
+      claim.dy += dy;
+      return;
+    }
     if (pinch) {
       const now = center();
       pan(now.x - pinch.x, now.y - pinch.y);
@@ -44,12 +79,13 @@ export function watch_gestures(canvas, camera, { moved, held }) {
     } else if (pointer.moves) {
       pan(dx, dy);
     } else {
-      camera.orbit(-dx * RADIANS_PER_PIXEL, dy * RADIANS_PER_PIXEL);
+      orbit(dx, dy);
     }
     if (dx || dy) moved();
   });
   const release = (event) => {
-    pointers.delete(event.pointerId);
+    if (!pointers.delete(event.pointerId)) return;
+    drop_claim();
     pinch = pointers.size > 1 ? center() : null;
     if (pointers.size) return;
     canvas.classList.remove("turning");

@@ -10,7 +10,7 @@ const BUTTONS = {
   "?": "#help-button",
 };
 
-export function watch_keys(playhead, { undo, hide_panels }) {
+export function watch_keys(playhead, { undo, hide_panels, tools }) {
   const switch_box = find("#single-keys");
   switch_box.checked = localStorage.getItem("single-keys") !== "off";
   switch_box.addEventListener("change", () =>
@@ -78,6 +78,9 @@ export function watch_keys(playhead, { undo, hide_panels }) {
     else if (key === "Home") playhead.seek(0);
     else if (key === "End") playhead.to_newest();
     else if (lower === "h") hide_panels();
+    else if (/^[1-9]$/.test(key)) tools.choose_nth(Number(key) - 1);
+    else if (key === "[") tools.widen(1 / 1.2);
+    else if (key === "]") tools.widen(1.2);
     else if (key === "-") change_speed(-1);
     else if (key === "+" || key === "=") change_speed(1);
     else return false;

@@ -55,7 +55,8 @@ export class Look {
 
   /// The scene's own view, when another scene is loaded.
   adopt({ color = this.color, mode = this.mode } = {}) {
-    if (color !== this.color || mode !== this.mode) this.#apply({ color, mode });
+    const known = find(`#color option[value="${CSS.escape(color)}"]`) && /^(surface|particles)$/.test(mode);
+    if (known && (color !== this.color || mode !== this.mode)) this.#apply({ color, mode });
   }
 
   #choose(values, remember) {

@@ -18,6 +18,10 @@ import { watch_panels } from "./panels.js";
 import { watch_exports } from "./exports.js";
 import { watch_upload } from "./upload.js";
 import { show_stats } from "./stats.js";
+import { Tools } from "./tools.js";
+import { PullTool } from "./pull.js";
+import { ProbeTool } from "./probe.js";
+import { watch_links } from "./share.js";
 
 fill_icons();
 const report = (error) => toast(error.status ? error.message : "The server did not answer.");
@@ -55,11 +59,16 @@ new Notices(session, playhead, parameters);
 show_stats(session, picture);
 
 picture.on("shown", ({ legend }) => look.set_legend(legend));
+const tools = new Tools(session);
+const pull = new PullTool({ canvas, session, playhead, picture, camera, tools, toast });
+new ProbeTool({ canvas, playhead, picture, tools });
 watch_gestures(canvas, camera, {
   moved: () => {
     find("#hint").classList.add("gone");
     picture.moved();
+    pull.draw();
   },
+  take: (place) => pull.take(place),
   held: (held) => picture.hold(held),
 });
 find("#fit-button").addEventListener("click", () => {
@@ -67,7 +76,7 @@ find("#fit-button").addEventListener("click", () => {
   picture.refresh();
 });
 const { hide_panels } = watch_panels();
-watch_keys(playhead, { undo: () => parameters.undo(), hide_panels });
+watch_keys(playhead, { undo: () => parameters.undo(), hide_panels, tools });
 watch_exports(session, playhead, picture, series, toast);
 
 // Plays at once, but only the first time in this tab and never for who asked for less motion.
@@ -75,7 +84,8 @@ const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
 if (!calm && !sessionStorage.getItem("started")) playhead.play_when_ready = true;
 sessionStorage.setItem("started", "yes");
 
-gallery.load();
+const listed = gallery.load();
+watch_links({ session, playhead, picture, camera, look, parameters, gallery, toast, listed });
 session.run();
 get_json("/api/version")
   .then(({ version, renderer, lanes, capabilities = [] }) => {

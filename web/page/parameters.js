@@ -46,6 +46,15 @@ export class ParameterPanel {
     this.#fields.get(id)?.set(value);
   }
 
+  /// {id: value} of those that are not at their default.
+  changed() {
+    return Object.fromEntries(
+      [...this.#fields]
+        .filter(([, field]) => field.value !== field.parameter.default)
+        .map(([id, field]) => [id, field.value]),
+    );
+  }
+
   async load(rebuild = false) {
     if (this.#loading && !rebuild) return;
     this.#loading = true;

@@ -5,11 +5,13 @@ import { get_json, pause_for, send_json } from "./api.js";
 const WAIT_MS = 10000;
 const LEAST_GAP_MS = 60;
 
-/// Events: "state" (every change), "scene" (another scene is loaded), "lost" {seconds}, "found".
+/// Events: "state" (every change), "scene" (another scene is asked for, and again once it is there with its title,
+/// camera and view), "lost" {seconds}, "found".
 export class Session extends Emitter {
   state = null;
   connected = true;
   #failures = 0;
+  #announced = { scene: null, loaded: false };
   #wake = null;
 
   async run() {
@@ -32,7 +34,10 @@ export class Session extends Emitter {
     this.connected = true;
     this.#failures = 0;
     if (found) this.emit("found");
-    const other_scene = !this.state || this.state.scene !== state.scene;
+    const loaded = state.camera !== undefined,
+      before = this.#announced;
+    const other_scene = before.scene !== state.scene || (loaded && !before.loaded);
+    if (other_scene) this.#announced = { scene: state.scene, loaded };
     const same =
       this.state && this.state.revision === state.revision && !found && !this.state.expected;
     this.state = state;

@@ -49,11 +49,17 @@ Overrides parse_overrides(const std::vector<std::string>& texts) {
 /// errors give.
 class HelpFormatter : public CLI::Formatter {
  public:
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    std::string name = CLI::Formatter::make_option_name(option, positional);
+    if (const auto code = name.find("{false}"); code != std::string::npos) name.erase(code, 7);
+    return name;
+  }
+
   std::string make_option_opts(const CLI::Option* option) const override {
     if (!option->get_option_text().empty()) return " " + option->get_option_text();
     std::string text;
     const std::string type = option->get_type_name();
-    if (option->get_type_size() != 0 && !option->get_positional()) text += type.starts_with("INT") ? " N" : " TEXT";
+    if (option->get_items_expected_max() > 0 && !option->get_positional()) text += type.starts_with("INT") ? " N" : " TEXT";
     if (option->get_expected_max() > 1) text += " ...";
     if (!option->get_default_str().empty()) text += " (" + option->get_default_str() + ")";
     if (option->get_required()) text += " (needed)";
@@ -170,7 +176,7 @@ void add_run(CLI::App& app, CommandLine& line) {
         line.run.output.out = line.path;
         line.scene = (std::filesystem::path(line.path) / "scene.json").string();
       } else if (scene->count() == 0 || line.run.output.out.empty()) {
-        throw Error("rend run", "needs SCENE and --out DIR, or --resume DIR");
+        throw Error("run", "needs SCENE and --out DIR, or --resume DIR");
       }
       if (!line.run.output.record && (line.run.resume || line.run.checkpoint_every > 0))
         throw Error("--no-record", "does not go with checkpoints: to go on, a run reads record/");

@@ -18,9 +18,13 @@ export function shown_unit({ unit = "", default: standard, max }) {
   return { factor, text };
 }
 
+// Below it nothing on the page means anything but zero.
+const NOTHING = 1e-9;
+
 /// Up to `digits` significant digits and never an exponent.
 export function format_number(value, digits = 3) {
   if (!Number.isFinite(value)) return "–";
+  if (Math.abs(value) < NOTHING) return "0";
   const rounded = Number(value.toPrecision(digits)),
     plain = String(rounded);
   if (!plain.includes("e")) return plain;

@@ -23,8 +23,8 @@ test("pressures take the prefix of their default", () => {
 
 test("figures have three digits and no exponent", () => {
   assert.deepEqual(
-    [20, 19.9996, 0.00012345, 123456, 0, 1e-9, NaN].map((x) => format_number(x)),
-    ["20", "20", "0.000123", "123000", "0", "0.00000000100", "–"],
+    [20, 19.9996, 0.00012345, 123456, 0, 1e-9, -3e-21, NaN].map((x) => format_number(x)),
+    ["20", "20", "0.000123", "123000", "0", "0.00000000100", "0", "–"],
   );
 });
 

@@ -90,9 +90,11 @@ BreakCriterion::Suspects BreakCriterion::scan_edges(const Snapshot& snapshot,
         const float l2 = dx * dx + dy * dy + dz * dz;
         // A broken edge has no positive length; one branch for both, for neither can be foretold.
         if ((std::fabs(l2 - length2[e]) > 0.2f * length2[e]) & (length2[e] > 0)) {
-          if (l2 > limit * length2[e])
+          if (by_gap && pa.suspect + pb.suspect > 0)
+            part.strained.push_back({a, t.edge_to[e]});
+          else if (l2 > limit * length2[e])
             part.broken.push_back(e);
-          else if (!by_gap || pa.suspect + pb.suspect > 0)
+          else if (!by_gap)
             part.strained.push_back({a, t.edge_to[e]});
         }
       }
@@ -115,48 +117,73 @@ void BreakCriterion::find_gaps(const Snapshot& snapshot, const CrackMesh& crack,
                                Verdict& verdict) const {
   const TetTables& t = *tables_;
   std::vector<Index> looked_at;
-  std::vector<std::uint8_t> marked(t.X.size(), 0);
+  std::vector<Index> slot(t.X.size(), -1);  // in looked_at
   for (const Edge& e : strained)
     for (Index p : e)
-      if (!marked[p]) marked[p] = 1, looked_at.push_back(p);
+      if (slot[p] < 0) slot[p] = 0, looked_at.push_back(p);
   std::sort(looked_at.begin(), looked_at.end());
-  rotations.fit_robust(looked_at, snapshot.x, crack);
   const auto damage = [&](Index p) { return snapshot.damage.empty() ? 0.f : snapshot.damage[p]; };
   const auto suspect = [&](Index p) {
     return damage(p) > 0 || (!snapshot.yielded.empty() && snapshot.yielded[p]);
   };
   const auto elastic_strain = [&](Index p) {
     const Real strength = strength_.empty() ? 1 : strength_[p];
-    return std::exp(std::max(0.f, 1 - damage(p)) * strength * yield_strain_[material_[p]]) - 1;
+    const Real bears = std::max(0.f, 1 - damage(p)) * strength * yield_strain_[material_[p]];
+    return bears > 0 ? std::exp(bears) - 1 : 0;
   };
-  const auto allowed = [&](Index p, Index q) {
-    const Real strain = std::min(elastic_strain(p), elastic_strain(q));
-    return settings_.gap * t.mean_edge[t.body[p]] + strain * (t.X[q] - t.X[p]).norm();
+  // How matter moves at a particle while it holds together, and the strain that it bears.
+  struct Whole {
+    Mat3 M;
+    Real strain;
   };
-  // A neighbour across the crack may have kept the lengths of all its edges: the rotation of this
+  std::vector<Whole> whole;
+  const auto look_at = [&](std::size_t first) {
+    const std::span<const Index> fresh(looked_at.begin() + static_cast<std::ptrdiff_t>(first),
+                                       looked_at.end());
+    rotations.fit_robust(fresh, snapshot.x, crack);
+    whole.resize(looked_at.size());
+    parallel_for(static_cast<Index>(fresh.size()), 256, [&](Index i) {
+      const Index p = fresh[i];
+      const Mat3 R = rotations.of(p).toRotationMatrix();
+      const Real sound = std::clamp(1. - damage(p), 0., 1.);
+      Whole& at = whole[first + i];
+      at = {R, elastic_strain(p)};
+      if (sound > 0) at.M += sound * (fit_affine_robust(p, snapshot.x, crack, R) - R);
+    });
+    for (std::size_t i = first; i < looked_at.size(); ++i)
+      slot[looked_at[i]] = static_cast<Index>(i);
+  };
+  look_at(0);
+  // Share of the allowed gap that an edge has used up.
+  const auto share = [&](Index p, Index q, const Mat3& M, Real strain) {
+    const Vec3 X = t.X[q] - t.X[p], expected = M * X;
+    const Real length = X.norm(), gap = (snapshot.x[q] - snapshot.x[p] - expected).norm();
+    const Real spread = std::max(1., expected.norm() / length);
+    return gap / (settings_.gap * t.mean_edge[t.body[p]] * spread + strain * length);
+  };
+  // A neighbour across the crack may have kept the lengths of all its edges: the motion of this
   // side tells.
-  std::vector<Index> across;
-  for (Index a : looked_at) {
-    const Mat3 R = rotations.of(a).toRotationMatrix();
-    for (Index b : crack.linked(a))
-      if (!marked[b] &&
-          (snapshot.x[b] - snapshot.x[a] - R * (t.X[b] - t.X[a])).norm() > allowed(a, b))
-        marked[b] = 1, across.push_back(b);
-  }
-  rotations.fit_robust(across, snapshot.x, crack);
-  looked_at.insert(looked_at.end(), across.begin(), across.end());
-  for (Index a : looked_at) {
-    const Mat3 R_a = rotations.of(a).toRotationMatrix();
+  const std::size_t marked = looked_at.size();
+  for (std::size_t i = 0; i < marked; ++i)
+    for (Index b : crack.linked(looked_at[i]))
+      if (slot[b] < 0 &&
+          share(looked_at[i], b, whole[i].M, std::min(whole[i].strain, elastic_strain(b))) > 1) {
+        slot[b] = 0;
+        looked_at.push_back(b);
+      }
+  look_at(marked);
+  for (std::size_t i = 0; i < looked_at.size(); ++i) {
+    const Index a = looked_at[i];
     for (Index e = t.edge_row[a]; e < t.edge_row[a + 1]; ++e) {
       const Index b = t.edge_to[e];
-      if (!marked[b] || crack.broken(e) || !(suspect(a) || suspect(b))) continue;
-      const Mat3 R = 0.5 * (R_a + rotations.of(b).toRotationMatrix());
-      const Real gap = (snapshot.x[b] - snapshot.x[a] - R * (t.X[b] - t.X[a])).norm();
-      const Real share = gap / allowed(a, b);
-      if (share > 1)
+      if (slot[b] < 0 || crack.broken(e) || !(suspect(a) || suspect(b))) continue;
+      const Whole& other = whole[slot[b]];
+      const Real used =
+          share(a, b, 0.5 * (whole[i].M + other.M), std::min(whole[i].strain, other.strain));
+      if (used > 1)
         verdict.edges.push_back(e);
       else
-        raise(verdict.nearness, a, b, share);
+        raise(verdict.nearness, a, b, used);
     }
   }
 }

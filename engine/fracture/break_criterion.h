@@ -12,9 +12,12 @@
 namespace rend {
 
 /// Stretch: |x_ab| > s |X_ab|, with "auto" s = max(1.5, 1.3 exp(tau_c0 / E)) of the tougher end.
-/// Gap: |x_ab - (R_a + R_b)/2 X_ab| > gap h + (exp((1 - damage) tau_c0 / E) - 1) |X_ab|, h the mean
-/// edge length of the body, R fitted robustly over unbroken neighbours; only where an end is
-/// damaged or has yielded, so that elastic strain never cuts; else, far out, |x_ab| > 2 s |X_ab|.
+/// Gap: |x_ab - M X_ab| > gap h max(1, |M X_ab| / |X_ab|) + (exp((1 - damage) tau_c0 / E) - 1)
+/// |X_ab|, h the mean edge length of the body, M = (M_a + M_b) / 2, M_a = R_a + (1 - damage_a)
+/// (F_a - R_a), R and F the rotation and the affine map fitted robustly over unbroken neighbours.
+/// Matter that keeps its strength flows: only neighbours that part from a common affine motion
+/// are torn. Matter that has lost it is rigid debris. Looked at only where an end is damaged or has
+/// yielded, so that elastic strain never cuts; elsewhere, far out, |x_ab| > 2 s |X_ab|.
 class BreakCriterion {
  public:
   BreakCriterion(const SceneDesc& scene, const Model& model, const TetTables& tables);

@@ -17,8 +17,8 @@ constexpr std::uint8_t changed_bit = 64;
 
 CrackMesh::CrackMesh(const TetTables& tables)
     : tables_(&tables),
-      mask_(tables.tet_edge.size(), 0),
-      cracked_of_tet_(tables.tet_edge.size(), -1),
+      mask_(tables.tet_lowest.size(), 0),
+      cracked_of_tet_(tables.tet_lowest.size(), -1),
       skin_(tables.skin.size()),
       is_near_(tables.X.size(), 0) {
   build_links();
@@ -91,6 +91,7 @@ void CrackMesh::mark_near(Index particle) {
 
 void CrackMesh::break_edges(std::span<const Index> edges, Index frame) {
   changed_.clear();
+  born_centres_.clear();
   for (Index e : edges)
     if (!broken(e)) open_edge(e, frame);
   // Ends of tips are given back before new centres are made, so that their numbers are used again
@@ -100,25 +101,20 @@ void CrackMesh::break_edges(std::span<const Index> edges, Index frame) {
     update_faces(r);
     CrackedTet& cracked = cracked_[r];
     mask_[cracked.tet] &= static_cast<std::uint8_t>(~changed_bit);
-    if (tet_templates().tet[mask_[cracked.tet]].needs_centre) update_centre(cracked);
+    if (tet_templates().tet[mask_[cracked.tet]].needs_centre) update_centre(r);
   }
   for (Index r : changed_) {
     emit_tet(cracked_[r]);
-    for (Index neighbour : tables_->tet_face[cracked_[r].tet])
-      if (neighbour < 0) emit_skin(-1 - neighbour);
+    for (int f = 0; f < 4; ++f)
+      if (const Index face = tables_->skin_face(cracked_[r].tet, f); face >= 0) emit_skin(face);
   }
   if (triangles_.size() > 4096 && 2 * static_cast<std::size_t>(live_triangles_) < triangles_.size())
     compact_triangles();
 }
 
 void CrackMesh::open_edge(Index edge, Index frame) {
-  tables_->ring(edge, ring_);
-  const TetEdge& at = ring_.front();
-  const Tet v = tables_->corners(at.tet);
-  const std::array<Index, 2> end{v[edge_ends[at.edge][0]], v[edge_ends[at.edge][1]]};
-  bool on_skin = false;
-  for (const TetEdge& around : ring_)
-    for (int f : edge_faces[around.edge]) on_skin |= tables_->tet_face[around.tet][f] < 0;
+  const Edge end = tables_->edge(edge);
+  tables_->ring(edge, end[0], ring_);
   // The two copies are neighbours in memory, so they never come from the free list.
   const Index node = add_node(0.5 * (tables_->X[end[0]] + tables_->X[end[1]]));
   const Index copy = static_cast<Index>(copies_.size());
@@ -126,7 +122,7 @@ void CrackMesh::open_edge(Index edge, Index frame) {
     VertexCopy& c = copies_.emplace_back();
     c.node = node;
     c.member[0] = particle;
-    c.on_skin = on_skin;
+    c.on_skin = tables_->edge_on_skin[edge];
     mark_near(particle);
   }
   unlink(end[0], end[1]);
@@ -154,19 +150,11 @@ Index CrackMesh::cracked_record(Index tet) {
 Index CrackMesh::face_record(CrackedTet& cracked, int face) {
   Index& record = cracked.face[face];
   if (record >= 0) return record;
-  const Index neighbour = tables_->tet_face[cracked.tet][face];
-  CrackedTet* other = nullptr;
-  int other_face = 0;
-  if (neighbour >= 0 && cracked_of_tet_[neighbour] >= 0) {
-    other = &cracked_[cracked_of_tet_[neighbour]];
-    while (tables_->tet_face[neighbour][other_face] != cracked.tet) ++other_face;
-    record = other->face[other_face];
-  }
-  if (record < 0) {
-    record = static_cast<Index>(faces_.size());
-    faces_.emplace_back();
-    if (other) other->face[other_face] = record;
-  }
+  record = static_cast<Index>(faces_.size());
+  faces_.emplace_back();
+  // Both tets of a broken edge are cracked, so the other one has a record as well.
+  const auto other = tables_->across(cracked.tet, face);
+  if (other.tet >= 0) cracked_[cracked_of_tet_[other.tet]].face[other.face] = record;
   return record;
 }
 
@@ -188,7 +176,8 @@ void CrackMesh::update_faces(Index r) {
   for (int f = 0; f < 4; ++f) {
     const int mask = face_mask(mask_[cracked_[r].tet], f);
     const int broken_count = std::popcount(static_cast<unsigned>(mask));
-    if (broken_count == 0) continue;
+    // Middle to middle, a face needs nothing of its own.
+    if (broken_count == 0 || (broken_count == 2 && cracked_[r].face[f] < 0)) continue;
     FaceRecord& face = faces_[face_record(cracked_[r], f)];
     if (face.mask == mask) continue;
     face.mask = mask;
@@ -198,7 +187,7 @@ void CrackMesh::update_faces(Index r) {
     std::array<Index, 3> v;
     for (int k = 0; k < 3; ++k) v[k] = corner[face_corners[f][k]];
     const Vec3 centre = (tables_->X[v[0]] + tables_->X[v[1]] + tables_->X[v[2]]) / 3;
-    const bool on_skin = tables_->tet_face[tet][f] < 0;
+    const bool on_skin = tables_->skin_face(tet, f) >= 0;
     if (face.copy[0] < 0) face.copy[0] = add_copy(add_node(centre), on_skin);
     VertexCopy& first = copies_[face.copy[0]];
     first.tip = broken_count == 1;
@@ -215,11 +204,13 @@ void CrackMesh::update_faces(Index r) {
   }
 }
 
-void CrackMesh::update_centre(CrackedTet& cracked) {
+void CrackMesh::update_centre(Index record) {
+  CrackedTet& cracked = cracked_[record];
   const Tet v = tables_->corners(cracked.tet);
   if (cracked.centre < 0) {
     cracked.centre = static_cast<Index>(centres_.size());
     centres_.push_back({-1, -1, -1, -1});
+    born_centres_.push_back(record);
   }
   CentreRecord& centre = centres_[cracked.centre];
   const auto& component = tet_templates().tet_component[mask_[cracked.tet]];
@@ -239,19 +230,19 @@ void CrackMesh::update_centre(CrackedTet& cracked) {
   }
 }
 
-Index CrackMesh::middle_id(Index tet, int edge, int vertex) const {
-  const int side = edge_ends[edge][0] == vertex ? 0 : 1;
-  return tables_->skin_particle.size() +
-         broken_[record_of_edge(tables_->tet_edge[tet][edge])].copy + side;
+Index CrackMesh::middle_id(Index edge, int side) const {
+  return static_cast<Index>(tables_->skin_particle.size()) + broken_[record_of_edge(edge)].copy +
+         side;
 }
 
-Index CrackMesh::corner_id(const CrackedTet& cracked, CornerCode code) const {
+Index CrackMesh::corner_id(const CrackedTet& cracked, const std::array<Index, 6>& edges,
+                           CornerCode code) const {
   const auto skin_vertices = static_cast<Index>(tables_->skin_particle.size());
   if (code >= tet_code) return skin_vertices + centres_[cracked.centre][code - tet_code];
   if (code >= face_code)
     return skin_vertices +
            faces_[cracked.face[(code - face_code) / 3]].copy[(code - face_code) % 3];
-  return middle_id(cracked.tet, code / 2, edge_ends[code / 2][code % 2]);
+  return middle_id(edges[code / 2], code % 2);
 }
 
 void CrackMesh::reserve_triangles(Range& range, Index count) {
@@ -281,13 +272,14 @@ void CrackMesh::emit_tet(CrackedTet& cracked) {
   reserve_triangles(cracked.triangles, cut.triangle_count);
   std::array<Index, code_count> id;
   id.fill(-1);
+  const auto edges = tables_->edges(cracked.tet);
   const bool negative = tables_->negative(cracked.tet);
   for (int k = 0; k < cut.triangle_count; ++k) {
     const auto& piece = cut.triangles[k];
     CutTriangle& triangle = triangles_[cracked.triangles.first + k];
     for (int c = 0; c < 3; ++c) {
       const CornerCode code = piece[negative && c ? 3 - c : c];
-      if (id[code] < 0) id[code] = corner_id(cracked, code);
+      if (id[code] < 0) id[code] = corner_id(cracked, edges, code);
       triangle[c] = id[code];
     }
   }
@@ -306,8 +298,10 @@ void CrackMesh::emit_skin(Index skin_face) {
     if (face.flip) std::swap(b, c);
     triangles_[at++] = {a, b, c};
   };
+  const auto edges = tables_->edges(face.tet);
   const auto middle = [&](int edge, int k) {
-    return middle_id(face.tet, face_edges[face.face][edge], corner[k]);
+    const int local = face_edges[face.face][edge];
+    return middle_id(edges[local], edge_ends[local][0] == corner[k] ? 0 : 1);
   };
   if (broken_count == 2) {
     int whole = 0;
@@ -343,27 +337,30 @@ void CrackMesh::place_middle(Index record, Real t) {
   nodes_[copies_[b.copy].node] = from + t * (to - from);
 }
 
-void CrackMesh::place_centres(std::span<const Index> records) {
-  const auto middle = [&](Index tet, int edge) -> const Vec3& {
-    return nodes_[copies_[broken_[record_of_edge(tables_->tet_edge[tet][edge])].copy].node];
+void CrackMesh::place_centres() {
+  const auto middle = [&](Index edge) -> const Vec3& {
+    return nodes_[copies_[broken_[record_of_edge(edge)].copy].node];
   };
-  for (Index r : records) {
+  // Between their middles, inside their simplex: no sub-tet can turn inside out.
+  for (Index r : changed_) {
     const CrackedTet& cracked = cracked_[r];
-    const int mask = mask_[cracked.tet];
-    // Between their middles, inside their simplex: no sub-tet can turn inside out.
+    const auto edges = tables_->edges(cracked.tet);
     for (int f = 0; f < 4; ++f)
-      if (face_mask(mask, f) == 7) {
+      if (face_mask(mask_[cracked.tet], f) == 7) {
         const int* e = face_edges[f];
         nodes_[copies_[faces_[cracked.face[f]].copy[0]].node] =
-            (middle(cracked.tet, e[0]) + middle(cracked.tet, e[1]) + middle(cracked.tet, e[2])) / 3;
+            (middle(edges[e[0]]) + middle(edges[e[1]]) + middle(edges[e[2]])) / 3;
       }
-    if (cracked.centre < 0) continue;
+  }
+  for (Index r : born_centres_) {
+    const CrackedTet& cracked = cracked_[r];
+    const auto edges = tables_->edges(cracked.tet);
+    const int mask = mask_[cracked.tet];
     Vec3 sum = Vec3::Zero(), corners = Vec3::Zero();
     for (int e = 0; e < 6; ++e)
-      if (mask >> e & 1) sum += middle(cracked.tet, e);
+      if (mask >> e & 1) sum += middle(edges[e]);
     for (Index v : tables_->corners(cracked.tet)) corners += tables_->X[v];
-    nodes_[copies_[centres_[cracked.centre][0]].node] =
-        0.5 * (sum / std::popcount(static_cast<unsigned>(mask)) + 0.25 * corners);
+    place_centre(r, 0.5 * (sum / std::popcount(static_cast<unsigned>(mask)) + 0.25 * corners));
   }
 }
 

@@ -73,8 +73,18 @@ class CrackMesh {
 
   /// Lets the crack cross the edge of a record at share t from its lower end.
   void place_middle(Index record, Real t);
-  /// Puts the centres of faces and tets with branching cracks between the middles around them.
-  void place_centres(std::span<const Index> cracked);
+  /// Puts centres of faces and tets that the last call of break_edges has made, where cracks
+  /// branch, between the middles around them. Older ones stay.
+  void place_centres();
+  /// Records of tets whose centre the last call of break_edges has made.
+  const std::vector<Index>& born_centres() const { return born_centres_; }
+  /// Where the centre of a tet with branching cracks lies at rest.
+  const Vec3& centre(Index record) const {
+    return nodes_[copies_[centres_[cracked_[record].centre][0]].node];
+  }
+  void place_centre(Index record, const Vec3& rest) {
+    nodes_[copies_[centres_[cracked_[record].centre][0]].node] = rest;
+  }
 
   struct Range {
     Index first = 0, count = 0;
@@ -123,11 +133,12 @@ class CrackMesh {
   Index face_record(CrackedTet& cracked, int face);
   void release_tips(Index record);
   void update_faces(Index record);
-  void update_centre(CrackedTet& cracked);
+  void update_centre(Index record);
   void emit_tet(CrackedTet& cracked);
   void emit_skin(Index skin_face);
-  Index corner_id(const CrackedTet& cracked, CornerCode code) const;
-  Index middle_id(Index tet, int edge, int vertex) const;
+  Index corner_id(const CrackedTet& cracked, const std::array<Index, 6>& edges,
+                  CornerCode code) const;
+  Index middle_id(Index edge, int side) const;
   Index add_copy(Index node, bool on_skin);
   Index add_node(const Vec3& rest);
   void mark_near(Index particle);
@@ -153,7 +164,7 @@ class CrackMesh {
   std::vector<CutTriangle> triangles_;
   Index live_triangles_ = 0;
   std::vector<SkinCut> skin_;
-  std::vector<Index> changed_;
+  std::vector<Index> changed_, born_centres_;
   std::vector<std::uint8_t> is_near_;
   std::vector<Index> near_;
   std::vector<TetEdge> ring_;

@@ -32,10 +32,6 @@ Real lap(Real& start) {
   return start - before;
 }
 
-// A middle may still move while the crack grows through its tets; after so many updates it is
-// frozen.
-constexpr Index young = 3;
-
 // What does not change during a run; shared between runs over the same model.
 struct Setup {
   Setup(const SceneDesc& scene, const Model& model)
@@ -49,6 +45,7 @@ struct Setup {
 struct Playback {
   std::vector<Index> edge, frame;
   std::vector<Real> t;
+  std::vector<std::pair<Index, Vec3>> centre;  // by tet
   std::vector<Index> loose;
   std::vector<Eigen::Quaterniond> loose_rotation;
 };
@@ -66,16 +63,14 @@ struct FractureMesh::State {
     crack.emplace(setup->tables);
     pieces.emplace(setup->tables);
     rotations.emplace(setup->tables.particle_count());
-    update_of_record.clear();
-    updates = 0;
     rotation_frame = -1;
     nearness.clear();
   }
 
   void load(const BreakTable& table);
   std::vector<Index> due(Index frame) const;
-  void cut(std::span<const Index> edges, Index frame);
-  void smooth(Index first_new);
+  void cut(std::span<const Index> edges, const Snapshot& snapshot);
+  void place(Index first_new, const Snapshot& snapshot);
   void turn(const Snapshot& snapshot);
 
   std::shared_ptr<const Setup> setup;
@@ -85,9 +80,7 @@ struct FractureMesh::State {
   std::optional<CrackMesh> crack;
   std::optional<Pieces> pieces;
   std::optional<RotationField> rotations;
-  std::vector<float> nearness;          // of the last update, or what a playback was given
-  std::vector<Index> update_of_record;  // when each edge broke, in calls of update
-  Index updates = 0;
+  std::vector<float> nearness;  // of the last update, or what a playback was given
   Index rotation_frame = -1;
   Real rotation_time = 0;
   Index last_frame = 0;
@@ -126,7 +119,12 @@ void FractureMesh::State::load(const BreakTable& table) {
   std::vector<Index> records(all.size());
   std::iota(records.begin(), records.end(), 0);
   smooth_middles(*crack, records, settings.smoothing_iterations);
+  crack->place_centres();
   Playback p;
+  for (Index r : crack->born_centres())
+    p.centre.emplace_back(crack->cracked()[r].tet, crack->centre(r));
+  std::sort(p.centre.begin(), p.centre.end(),
+            [](const auto& x, const auto& y) { return x.first < y.first; });
   for (std::size_t i = 0; i < all.size(); ++i) p.t.push_back(crack->broken_edges()[i].t);
   std::vector<Index> order(all.size());
   std::iota(order.begin(), order.end(), 0);
@@ -152,47 +150,39 @@ std::vector<Index> FractureMesh::State::due(Index frame) const {
   return {playback->edge.begin() + static_cast<std::ptrdiff_t>(from), playback->edge.begin() + to};
 }
 
-void FractureMesh::State::cut(std::span<const Index> edges, Index frame) {
+void FractureMesh::State::cut(std::span<const Index> edges, const Snapshot& snapshot) {
   Real start = cpu_seconds();
   const auto first_new = static_cast<Index>(crack->broken_edges().size());
-  crack->break_edges(edges, frame);
+  crack->break_edges(edges, snapshot.frame);
   stages.cut = lap(start);
   new_broken = static_cast<Index>(crack->broken_edges().size()) - first_new;
   if (new_broken == 0) return;
-  update_of_record.resize(crack->broken_edges().size(), updates);
-  smooth(first_new);
+  place(first_new, snapshot);
   stages.smooth = lap(start);
   pieces->update(*crack);
   stages.pieces = lap(start);
 }
 
-void FractureMesh::State::smooth(Index first_new) {
+// What is new finds its place for good: once a face is seen, it moves with its particles alone.
+void FractureMesh::State::place(Index first_new, const Snapshot& snapshot) {
   const auto& broken = crack->broken_edges();
   if (playback) {
     for (std::size_t r = static_cast<std::size_t>(first_new); r < broken.size(); ++r)
       crack->place_middle(static_cast<Index>(r), playback->t[r]);
-    crack->place_centres(crack->changed());
+    crack->place_centres();
+    for (Index r : crack->born_centres()) {
+      const auto at = std::lower_bound(
+          playback->centre.begin(), playback->centre.end(), crack->cracked()[r].tet,
+          [](const auto& known, Index tet) { return known.first < tet; });
+      crack->place_centre(r, at->second);
+    }
     return;
   }
-  const TetTables& tables = setup->tables;
-  std::vector<Index> active;
-  for (Index c : crack->changed())
-    for (Index e : tables.tet_edge[crack->cracked()[c].tet]) {
-      const Index r = crack->record_of_edge(e);
-      if (r >= 0 && update_of_record[r] > updates - young) active.push_back(r);
-    }
-  std::sort(active.begin(), active.end());
-  active.erase(std::unique(active.begin(), active.end()), active.end());
-  smooth_middles(*crack, active, settings.smoothing_iterations);
-  std::vector<Index> around;
-  std::vector<TetEdge> ring;
-  for (Index r : active) {
-    tables.ring(broken[r].edge, ring);
-    for (const TetEdge& at : ring) around.push_back(crack->cracked_of_tet(at.tet));
-  }
-  std::sort(around.begin(), around.end());
-  around.erase(std::unique(around.begin(), around.end()), around.end());
-  crack->place_centres(around);
+  std::vector<Index> fresh(static_cast<std::size_t>(new_broken));
+  std::iota(fresh.begin(), fresh.end(), first_new);
+  const CrackMotion motion{snapshot.x, &*rotations};
+  smooth_middles(*crack, fresh, settings.smoothing_iterations, &motion);
+  crack->place_centres();
 }
 
 void FractureMesh::State::turn(const Snapshot& snapshot) {
@@ -245,7 +235,6 @@ void FractureMesh::update(const Snapshot& snapshot) {
                                 " particles, the model has " +
                                 std::to_string(s.setup->tables.X.size()));
   if (s.playback && snapshot.frame < s.last_frame) s.reset();
-  ++s.updates;
   s.last_frame = snapshot.frame;
   s.stages = {};
   Real clock = cpu_seconds();
@@ -266,7 +255,7 @@ void FractureMesh::update(const Snapshot& snapshot) {
   unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
   s.rotations->fit_robust(unknown, snapshot.x, *s.crack);
   s.stages.test = lap(clock);
-  s.cut(edges, snapshot.frame);
+  s.cut(edges, snapshot);
   clock = cpu_seconds();
   s.turn(snapshot);
   s.stages.rotations = lap(clock);

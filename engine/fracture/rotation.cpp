@@ -63,7 +63,7 @@ bool ShapeMoments::on_line() const {
   // Sum of the principal minors over the trace: depends on rest positions only, so there is no jump
   // while the neighbours stay the same.
   const Real trace = rest.trace();
-  return 0.5 * (trace * trace - rest.squaredNorm()) <= 1e-3 * trace * trace;
+  return trace > 0 && 0.5 * (trace * trace - rest.squaredNorm()) <= 1e-3 * trace * trace;
 }
 
 Eigen::Quaterniond ShapeMoments::rotation(const Eigen::Quaterniond& start) const {

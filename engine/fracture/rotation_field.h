@@ -30,7 +30,7 @@ class RotationField {
   /// Least-squares fits for `particles` at positions x. O(#particles), parallel.
   void fit(std::span<const Index> particles, std::span<const Vec3> x, const CrackMesh& crack);
   /// Fits that let go of neighbours which do not move along (weights 1 / (1 + (misfit / scale)^2),
-  /// two rounds), for telling an opening crack from the motion of its faces.
+  /// two to four rounds), for telling an opening crack from the motion of its faces.
   void fit_robust(std::span<const Index> particles, std::span<const Vec3> x,
                   const CrackMesh& crack);
 
@@ -39,5 +39,12 @@ class RotationField {
   std::vector<Index> slot_;  ///< #P
   std::vector<Eigen::Quaterniond> rotation_;
 };
+
+/// The affine map x_ab = F X_ab of the unbroken neighbours of p that come along (weights as above,
+/// but the scale is no less than the misfit of the nearest quarter; four rounds from `rotation`).
+/// It is drawn to `rotation` by 3 % of the strain, and all the way in directions in which
+/// neighbours say nothing.
+Mat3 fit_affine_robust(Index p, std::span<const Vec3> x, const CrackMesh& crack,
+                       const Mat3& rotation);
 
 }  // namespace rend

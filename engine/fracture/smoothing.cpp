@@ -15,16 +15,28 @@ constexpr Real t_min = 0.05, t_max = 0.95;
 constexpr Real relaxation = 0.75;
 constexpr Real crumb_share = 0.5;
 
-Real whole_share(const CrackMesh& crack, Index p) {
+// How much of the surroundings of p is on its side of a crack between p and q.
+Real whole_share(const CrackMesh& crack, Index p, Index q, const CrackMotion* motion) {
   const TetTables& tables = crack.tables();
+  const std::vector<Vec3>& X = tables.X;
   const Real h = tables.mean_edge[tables.body[p]];
-  const auto weight = [&](Index b) {
-    return std::exp(-(tables.X[b] - tables.X[p]).squaredNorm() / (h * h));
+  const auto weight = [&](Index b) { return std::exp(-(X[b] - X[p]).squaredNorm() / (h * h)); };
+  Mat3 R_p, R_q;
+  if (motion) {
+    R_p = motion->rotations->of(p).toRotationMatrix();
+    R_q = motion->rotations->of(q).toRotationMatrix();
+  }
+  const auto across = [&](Index b) {
+    if (!motion) return 0.;
+    const std::span<const Vec3> x = motion->x;
+    const Real with_p = (x[b] - x[p] - R_p * (X[b] - X[p])).squaredNorm();
+    const Real with_q = (x[b] - x[q] - R_q * (X[b] - X[q])).squaredNorm();
+    return with_p > 0 ? with_p / (with_p + with_q) : 0;
   };
   Real sum = 1, total = 1;
   for (Index b : crack.linked(p)) {
     const Real w = weight(b);
-    sum += w, total += w;
+    sum += w * (1 - 2 * across(b)), total += w;
   }
   for (Index b : crack.torn(p)) {
     const Real w = weight(b);
@@ -54,7 +66,7 @@ Fans collect_fans(const CrackMesh& crack, std::span<const Index> records) {
   std::vector<TetEdge> ring;
   for (Index r : records) {
     const BrokenEdge& broken = crack.broken_edges()[r];
-    crack.tables().ring(broken.edge, ring);
+    crack.tables().ring(broken.edge, crack.ends(broken)[0], ring);
     for (int side = 0; side < 2; ++side) {
       const Index self = skin_vertices + broken.copy + side;
       for (const TetEdge& at : ring) {
@@ -72,12 +84,14 @@ Fans collect_fans(const CrackMesh& crack, std::span<const Index> records) {
 
 }  // namespace
 
-void smooth_middles(CrackMesh& crack, std::span<const Index> records, int iterations) {
+void smooth_middles(CrackMesh& crack, std::span<const Index> records, int iterations,
+                    const CrackMotion* motion) {
   if (iterations <= 0) return;
   const TetTables& tables = crack.tables();
   for (Index r : records) {
     const Edge end = crack.ends(crack.broken_edges()[r]);
-    const Real f = whole_share(crack, end[0]), g = whole_share(crack, end[1]);
+    const Real f = whole_share(crack, end[0], end[1], motion);
+    const Real g = whole_share(crack, end[1], end[0], motion);
     crack.place_middle(r, std::clamp(f / (f + g), t_min, t_max));
   }
   if (iterations <= 2) return;

@@ -29,16 +29,61 @@ int local_edge(const std::array<Index, 6>& edges, Index e) {
 
 TetTables::TetTables(const Model& model) : X(model.X), body(model.body) {
   body.resize(X.size(), 0);
-  const std::vector<Tet> tet = sort_tets(model);
-  build_edges(tet);
-  build_faces(model, tet);
-  split_fans();
+  {
+    const std::vector<Tet> tet = sort_tets(model);
+    TetEdges edges = build_edges(tet);
+    split_fans(edges, build_faces(model, tet));
+    list_tets(tet, edges);
+  }
+  mark_skin();
   build_skin(model);
   measure(model);
 }
 
 Edge TetTables::edge(Index e) const {
-  return {corners(edge_tet[e])[edge_ends[local_edge(tet_edge[edge_tet[e]], e)][0]], edge_to[e]};
+  const auto row = std::upper_bound(edge_row.begin(), edge_row.end(), e) - 1;
+  return {static_cast<Index>(row - edge_row.begin()), edge_to[e]};
+}
+
+void TetTables::ring(Index e, Index lower, std::vector<TetEdge>& out) const {
+  out.clear();
+  const Index place = e - edge_row[lower];
+  for (Index t = first_row[lower]; t < first_row[lower + 1]; ++t)
+    for (int k = 0; k < 3; ++k)
+      if (tet_place[t][k] == place) out.push_back({t, k});
+  for (Index i = second_row[lower]; i < second_row[lower + 1]; ++i)
+    for (int k = 3; k < 5; ++k)
+      if (tet_place[by_second[i]][k] == place) out.push_back({by_second[i], k});
+  for (Index i = third_row[lower]; i < third_row[lower + 1]; ++i)
+    if (tet_place[by_third[i]][5] == place) out.push_back({by_third[i], 5});
+}
+
+TetTables::TetFace TetTables::across(Index t, int f) const {
+  // Two edges from the lowest vertex of a face are enough to name it.
+  const bool has_lowest = f < 3;
+  const auto& from = tet_place[t];
+  const Index lowest = has_lowest ? tet_lowest[t] & ~inside_out : corners(t)[1];
+  const int u = has_lowest ? face_edges[f][0] : 3, v = has_lowest ? face_edges[f][1] : 4;
+  for (Index i = second_row[lowest]; i < second_row[lowest + 1]; ++i) {
+    const Index other = by_second[i];
+    if (other != t && tet_place[other][3] == from[u] && tet_place[other][4] == from[v])
+      return {other, 3};
+  }
+  for (Index other = first_row[lowest]; other < first_row[lowest + 1]; ++other)
+    for (int face = 0; face < 3; ++face)
+      if (other != t && tet_place[other][face_edges[face][0]] == from[u] &&
+          tet_place[other][face_edges[face][1]] == from[v])
+        return {other, face};
+  return {-1, -1};
+}
+
+Index TetTables::skin_face(Index t, int f) const {
+  if (!tet_on_skin[t]) return -1;
+  auto at = std::lower_bound(skin_by_tet.begin(), skin_by_tet.end(), t,
+                             [&](Index i, Index tet) { return skin[i].tet < tet; });
+  for (; at != skin_by_tet.end() && skin[*at].tet == t; ++at)
+    if (skin[*at].face == f) return *at;
+  return -1;
 }
 
 std::vector<Tet> TetTables::sort_tets(const Model& model) {
@@ -62,7 +107,7 @@ std::vector<Tet> TetTables::sort_tets(const Model& model) {
   return tet;
 }
 
-void TetTables::build_edges(const std::vector<Tet>& tet) {
+TetTables::TetEdges TetTables::build_edges(const std::vector<Tet>& tet) {
   const Index n = particle_count();
   std::vector<Index> bucket(n + 1, 0);
   for (const Tet& v : tet) bucket[v[0] + 1] += 3, bucket[v[1] + 1] += 2, bucket[v[2] + 1] += 1;
@@ -79,20 +124,19 @@ void TetTables::build_edges(const std::vector<Tet>& tet) {
     std::unique_copy(begin, end, std::back_inserter(edge_to));
     edge_row[p + 1] = edge_count();
   }
-  tet_edge.resize(tet.size());
-  edge_tet.assign(edge_to.size(), -1);
-  for (Index t = 0; t < tet_count(); ++t) {
+  TetEdges edges(tet.size());
+  for (std::size_t t = 0; t < tet.size(); ++t)
     for (int e = 0; e < 6; ++e) {
       const Index a = tet[t][edge_ends[e][0]], b = tet[t][edge_ends[e][1]];
       const auto row = edge_to.begin() + edge_row[a];
       const auto found = std::lower_bound(row, edge_to.begin() + edge_row[a + 1], b);
-      tet_edge[t][e] = static_cast<Index>(found - edge_to.begin());
-      edge_tet[tet_edge[t][e]] = t;
+      edges[t][e] = static_cast<Index>(found - edge_to.begin());
     }
-  }
+  return edges;
 }
 
-void TetTables::build_faces(const Model& model, const std::vector<Tet>& tet) {
+std::vector<std::array<Index, 4>> TetTables::build_faces(const Model& model,
+                                                         const std::vector<Tet>& tet) {
   const Index n = particle_count();
   std::vector<Index> bucket(n + 1, 0);
   for (const Tet& v : tet) bucket[v[0] + 1] += 3, bucket[v[1] + 1] += 1;
@@ -104,7 +148,7 @@ void TetTables::build_faces(const Model& model, const std::vector<Tet>& tet) {
       const auto& c = face_corners[f];
       faces[cursor[tet[t][c[0]]]++] = {pair_key(tet[t][c[1]], tet[t][c[2]]), 4 * t + f};
     }
-  tet_face.assign(tet.size(), {-1, -1, -1, -1});
+  std::vector<std::array<Index, 4>> neighbour(tet.size(), {-1, -1, -1, -1});
   std::vector<std::pair<std::array<Index, 3>, Index>> boundary;
   for (Index p = 0; p < n; ++p) {
     const auto begin = faces.begin() + bucket[p], end = faces.begin() + bucket[p + 1];
@@ -116,8 +160,8 @@ void TetTables::build_faces(const Model& model, const std::vector<Tet>& tet) {
       if (next - f > 2)
         throw Error("model/tets/" + std::to_string(t), "more than two tets share a face");
       if (next - f == 2) {
-        tet_face[t][f->second % 4] = (f + 1)->second / 4;
-        tet_face[(f + 1)->second / 4][(f + 1)->second % 4] = t;
+        neighbour[t][f->second % 4] = (f + 1)->second / 4;
+        neighbour[(f + 1)->second / 4][(f + 1)->second % 4] = t;
       } else {
         const auto& c = face_corners[f->second % 4];
         boundary.push_back({{tet[t][c[0]], tet[t][c[1]], tet[t][c[2]]}, f->second});
@@ -147,7 +191,6 @@ void TetTables::build_faces(const Model& model, const std::vector<Tet>& tet) {
     // (a, b, c) of faces 0 and 2 points into a positive tet, of faces 1 and 3 out of it.
     const bool flip = (f == 0 || f == 2) != negative(t);
     skin[i] = {t, f, flip, {-1, -1, -1}};
-    tet_face[t][f] = -1 - static_cast<Index>(i);
     if (model.skin.empty()) {
       const auto& v = boundary[found].first;
       skin_uncut[i] = flip ? Triangle{v[0], v[2], v[1]} : Triangle{v[0], v[1], v[2]};
@@ -155,70 +198,101 @@ void TetTables::build_faces(const Model& model, const std::vector<Tet>& tet) {
       skin_uncut[i] = model.skin[i];
     }
   }
+  return neighbour;
 }
 
-void TetTables::ring(Index e, std::vector<TetEdge>& out) const {
-  out.clear();
-  const Index start = edge_tet[e];
-  const int first = local_edge(tet_edge[start], e);
-  out.push_back({start, first});
-  for (int direction = 0; direction < 2; ++direction) {
-    Index previous = start, t = tet_face[start][edge_faces[first][direction]];
-    while (t >= 0) {
-      if (t == start) return;
-      const int local = local_edge(tet_edge[t], e);
-      out.push_back({t, local});
-      const int* faces = edge_faces[local];
-      const Index next = tet_face[t][faces[tet_face[t][faces[0]] == previous ? 1 : 0]];
-      previous = t;
-      t = next;
+void TetTables::split_fans(TetEdges& edges, const std::vector<std::array<Index, 4>>& neighbour) {
+  std::vector<std::uint8_t> seen(edges.size(), 0);
+  std::vector<TetEdge> fan;
+  // Tets around an edge that are reached from one of them across faces.
+  const auto walk = [&](Index start, int first) {
+    const Index e = edges[start][first];
+    fan.assign(1, {start, first});
+    for (int direction = 0; direction < 2; ++direction) {
+      Index previous = start, t = neighbour[start][edge_faces[first][direction]];
+      while (t >= 0) {
+        if (t == start) return;
+        const int local = local_edge(edges[t], e);
+        fan.push_back({t, local});
+        const int* faces = edge_faces[local];
+        const Index next = neighbour[t][faces[neighbour[t][faces[0]] == previous ? 1 : 0]];
+        previous = t;
+        t = next;
+      }
     }
-  }
-}
-
-void TetTables::split_fans() {
-  std::vector<std::uint8_t> seen(tet_edge.size(), 0);
-  std::vector<TetEdge> around;
-  for (Index e = 0; e < edge_count(); ++e) {
-    ring(e, around);
-    for (const TetEdge& at : around) seen[at.tet] |= static_cast<std::uint8_t>(1 << at.edge);
-  }
+  };
   struct Fan {
     Index edge;
     std::vector<TetEdge> tets;
   };
   std::vector<Fan> extra;
+  std::vector<bool> known(edge_to.size(), false);
   for (Index t = 0; t < tet_count(); ++t)
     for (int k = 0; k < 6; ++k) {
       if (seen[t] >> k & 1) continue;
-      const Index e = tet_edge[t][k];
-      edge_tet[e] = t;
-      ring(e, around);
-      for (const TetEdge& at : around) seen[at.tet] |= static_cast<std::uint8_t>(1 << at.edge);
-      extra.push_back({e, around});
+      walk(t, k);
+      for (const TetEdge& at : fan) seen[at.tet] |= static_cast<std::uint8_t>(1 << at.edge);
+      const Index e = edges[t][k];
+      if (known[e]) extra.push_back({e, fan});
+      known[e] = true;
     }
   if (extra.empty()) return;
   std::stable_sort(extra.begin(), extra.end(),
                    [](const Fan& a, const Fan& b) { return a.edge < b.edge; });
   // Every extra fan is inserted right behind the record it was split from.
   std::vector<Index> shift(edge_to.size() + 1, 0);
-  for (const Fan& fan : extra) ++shift[fan.edge + 1];
+  for (const Fan& one : extra) ++shift[one.edge + 1];
   prefix_sum(shift);
   std::vector<Index> to(edge_to.size() + extra.size());
   for (Index e = 0; e < edge_count(); ++e)
     for (Index k = e + shift[e]; k <= e + shift[e + 1]; ++k) to[k] = edge_to[e];
-  for (auto& edges : tet_edge)
-    for (Index& e : edges) e += shift[e];
+  for (auto& six : edges)
+    for (Index& e : six) e += shift[e];
   for (std::size_t i = 0; i < extra.size(); ++i) {
-    const Index first = extra[i].edge;
-    const Index id = first + static_cast<Index>(i) + 1;
-    for (const TetEdge& at : extra[i].tets) tet_edge[at.tet][at.edge] = id;
+    const Index id = extra[i].edge + static_cast<Index>(i) + 1;
+    for (const TetEdge& at : extra[i].tets) edges[at.tet][at.edge] = id;
   }
   for (Index& row : edge_row) row += shift[row];
   edge_to = std::move(to);
-  edge_tet.assign(edge_to.size(), -1);
-  for (Index t = 0; t < tet_count(); ++t)
-    for (Index e : tet_edge[t]) edge_tet[e] = t;
+}
+
+void TetTables::list_tets(const std::vector<Tet>& tet, const TetEdges& edges) {
+  const auto rows_of = [&](int k) {
+    std::vector<Index> row(X.size() + 1, 0);
+    for (const Tet& v : tet) ++row[v[k] + 1];
+    prefix_sum(row);
+    return row;
+  };
+  const auto list_of = [&](int k, const std::vector<Index>& row) {
+    std::vector<Index> list(tet.size()), cursor(row.begin(), row.end() - 1);
+    for (Index t = 0; t < tet_count(); ++t) list[cursor[tet[t][k]]++] = t;
+    return list;
+  };
+  first_row = rows_of(0), second_row = rows_of(1), third_row = rows_of(2);
+  by_second = list_of(1, second_row), by_third = list_of(2, third_row);
+  tet_place.resize(tet.size());
+  for (std::size_t t = 0; t < tet.size(); ++t)
+    for (int e = 0; e < 6; ++e) {
+      const Index place = edges[t][e] - edge_row[tet[t][edge_ends[e][0]]];
+      if (place > std::numeric_limits<std::uint16_t>::max())
+        throw Error("model/tets/" + std::to_string(t), "more than 65535 edges at one particle");
+      tet_place[t][e] = static_cast<std::uint16_t>(place);
+    }
+}
+
+void TetTables::mark_skin() {
+  tet_on_skin.assign(tet_lowest.size(), false);
+  edge_on_skin.assign(edge_to.size(), false);
+  skin_by_tet.resize(skin.size());
+  std::iota(skin_by_tet.begin(), skin_by_tet.end(), 0);
+  std::sort(skin_by_tet.begin(), skin_by_tet.end(), [&](Index i, Index j) {
+    return std::pair(skin[i].tet, skin[i].face) < std::pair(skin[j].tet, skin[j].face);
+  });
+  for (const SkinFace& face : skin) {
+    tet_on_skin[face.tet] = true;
+    const auto e = edges(face.tet);
+    for (int k : face_edges[face.face]) edge_on_skin[e[k]] = true;
+  }
 }
 
 void TetTables::build_skin(const Model&) {
@@ -233,7 +307,7 @@ void TetTables::build_skin(const Model&) {
   std::vector<std::pair<Index, Index>> sides;
   for (Index i = 0; i < faces; ++i)
     for (int k = 0; k < 3; ++k)
-      sides.emplace_back(tet_edge[skin[i].tet][face_edges[skin[i].face][k]], 3 * i + k);
+      sides.emplace_back(edges(skin[i].tet)[face_edges[skin[i].face][k]], 3 * i + k);
   std::sort(sides.begin(), sides.end());
   for (std::size_t s = 0; s + 1 < sides.size(); s += 2)
     for (int end = 0; end < 2; ++end) {
@@ -280,9 +354,12 @@ void TetTables::measure(const Model& model) {
 
 double TetTables::bytes_per_particle() const {
   const auto bytes = [](const auto& v) { return static_cast<double>(v.size() * sizeof(v[0])); };
-  const double total = bytes(X) + bytes(edge_row) + bytes(edge_to) + bytes(edge_tet) +
-                       bytes(tet_lowest) + bytes(tet_edge) + bytes(tet_face) + bytes(skin) +
-                       bytes(skin_uncut) + bytes(skin_particle) + bytes(body);
+  const auto bits = [](const std::vector<bool>& v) { return static_cast<double>(v.size()) / 8; };
+  const double total = bytes(X) + bytes(edge_row) + bytes(edge_to) + bytes(tet_lowest) +
+                       bytes(tet_place) + bytes(first_row) + bytes(second_row) + bytes(third_row) +
+                       bytes(by_second) + bytes(by_third) + bits(tet_on_skin) + bits(edge_on_skin) +
+                       bytes(skin) + bytes(skin_by_tet) + bytes(skin_uncut) + bytes(skin_particle) +
+                       bytes(body);
   return total / std::max<double>(1, static_cast<double>(X.size()));
 }
 

@@ -156,6 +156,7 @@ TEST_CASE("rotations: exact, proper, and kept where neighbours say nothing") {
     ShapeMoments line;
     const Vec3 X = Vec3(random.next(-1, 1), random.next(-1, 1), 1);
     line.add(R * X, X, 1);
+    line.add_rest(X, 1);
     CHECK((line.rotation(start) * X - R * X).norm() < 1e-9);
     CHECK(ShapeMoments().rotation(start).coeffs() == start.coeffs());
   }

@@ -1,4 +1,5 @@
-// Sweeps over flat arrays; the only scattered access is to particles and their rotations.
+// Sweeps over flat arrays; the only scattered access is to carriers of copies and to corners of
+// triangles, and each of those is gathered into one place first.
 #include "engine/fracture/surface_builder.h"
 
 #include "engine/core/parallel.h"
@@ -6,20 +7,30 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <memory>
 
 namespace rend {
 
 namespace {
 
 constexpr Index grain = 4096;
+constexpr std::size_t ahead = 8;  // tets to fetch in advance
 // |sum of normals| / sum of |normals| below which a vertex lies on a fold: skin at about 74
 // degrees, crack faces, which would look like confetti, only where they nearly turn back.
 constexpr float skin_fold = 0.8f, crack_fold = 0.45f;
 
-struct RigidMotion {
+// What a particle lends to the copies that it carries, gathered once, in two cache lines.
+struct alignas(64) Carrier {
   Mat3 R;
-  Vec3 x, X;
-  Vec3 operator()(const Vec3& rest) const { return x + R * (rest - X); }
+  Vec3 t;  // x - R X
+  float damage, stress, speed, nearness;
+};
+
+// What triangles want to know of a vertex, in half a cache line.
+struct alignas(32) Corner {
+  Vec3f x;                 // from the origin of the sweep
+  Index piece;             // its complement where crack faces do not count for the normal
+  Eigen::Vector4f normal;  // sum, and sum of lengths
 };
 
 class Builder {
@@ -68,14 +79,12 @@ class Builder {
   void number_vertices() {
     const auto& copies = crack_.copies();
     dense_ = crack_.free_copies().empty() && !any_hidden_;
-    shown_skin_ = skin_vertices_;
     vertex_count_ = skin_vertices_ + static_cast<Index>(copies.size());
     if (dense_) return;
     vertex_of_corner_.resize(static_cast<std::size_t>(vertex_count_));
     vertex_count_ = 0;
     for (Index v = 0; v < skin_vertices_; ++v)
       vertex_of_corner_[v] = hidden(tables_.skin_particle[v]) ? -1 : vertex_count_++;
-    shown_skin_ = vertex_count_;
     for (std::size_t c = 0; c < copies.size(); ++c)
       vertex_of_corner_[skin_vertices_ + c] =
           copies[c].node < 0 || hidden(copies[c].member[0]) ? -1 : vertex_count_++;
@@ -93,6 +102,8 @@ class Builder {
     out_.speed.resize(vertex_count_);
     out_.nearness.resize(vertex_count_);
     out_.crease.resize(vertex_count_);
+    corners_ = std::make_unique_for_overwrite<Corner[]>(static_cast<std::size_t>(vertex_count_));
+    if (!now_.x.empty()) origin_ = now_.x[now_.x.size() / 2];
   }
 
   float damage(Index p) const { return now_.damage.empty() ? 0 : now_.damage[p]; }
@@ -111,15 +122,26 @@ class Builder {
       out_.speed[v] = speed(p);
       out_.nearness[v] = nearness(p);
       out_.crease[v] = crease_.empty() ? 0 : crease_[p];
+      set_corner(v, p, true);
     });
+  }
+
+  // Skin and crack faces do not average over their rim: there, the skin decides.
+  void set_corner(Index v, Index particle, bool skin_only) {
+    const Index piece = pieces_.of(particle);
+    corners_[v] = {(out_.x[v] - origin_).cast<float>(), skin_only ? ~piece : piece,
+                   Eigen::Vector4f::Zero()};
   }
 
   void place_copies() {
     const auto& near = crack_.near_crack();
-    motion_.resize(static_cast<std::size_t>(rotations_.slot_count()));
+    carriers_ = std::make_unique_for_overwrite<Carrier[]>(
+        static_cast<std::size_t>(rotations_.slot_count()));
     parallel_for(static_cast<Index>(near.size()), grain, [&](Index i) {
       const Index p = near[i];
-      motion_[rotations_.slot(p)] = {rotations_.of(p).toRotationMatrix(), now_.x[p], tables_.X[p]};
+      const Mat3 R = rotations_.of(p).toRotationMatrix();
+      carriers_[rotations_.slot(p)] = {
+          R, now_.x[p] - R * tables_.X[p], damage(p), stress(p), speed(p), nearness(p)};
     });
     const auto& copies = crack_.copies();
     parallel_for(static_cast<Index>(copies.size()), grain, [&](Index c) {
@@ -134,8 +156,14 @@ class Builder {
       int members = 0;
       for (; members < 4 && copy.member[members] >= 0; ++members) {
         const Index p = copy.member[members];
-        x += copy.tip ? now_.x[p] : motion_[rotations_.slot(p)](rest);
-        d += damage(p), s += stress(p), w += speed(p), n += nearness(p);
+        if (copy.tip) {
+          x += now_.x[p];
+          d += damage(p), s += stress(p), w += speed(p), n += nearness(p);
+        } else {
+          const Carrier& carrier = carriers_[rotations_.slot(p)];
+          x += carrier.R * rest + carrier.t;
+          d += carrier.damage, s += carrier.stress, w += carrier.speed, n += carrier.nearness;
+        }
       }
       const float share = 1.f / static_cast<float>(members);
       out_.x[v] = x / members;
@@ -143,9 +171,11 @@ class Builder {
       out_.stress[v] = s * share;
       out_.speed[v] = w * share;
       out_.nearness[v] = n * share;
+      set_corner(v, copy.member[0], copy.on_skin);
     });
   }
 
+  // One sweep over the triangles: while their corners are at hand, their normals are summed up.
   void write_triangles() {
     std::size_t count = 0;
     for (const auto& cut : crack_.skin_cuts())
@@ -154,57 +184,47 @@ class Builder {
     out_.triangles.resize(count);
     out_.piece.resize(count);
     Index at = 0;
-    const auto add = [&](const Triangle& t, Index particle) {
-      if (hidden(particle)) return;
-      out_.piece[at] = pieces_.of(particle);
-      out_.triangles[at++] = {vertex(t[0]), vertex(t[1]), vertex(t[2])};
-    };
-    const auto write = [&](const CrackMesh::Range& range) {
-      for (const CutTriangle& t : crack_.triangles_of(range)) add(t, crack_.particle_of(t[0]));
+    const auto add = [&](const Triangle& corner, bool interior) {
+      const Triangle t{vertex(corner[0]), vertex(corner[1]), vertex(corner[2])};
+      if (t[0] < 0) return;
+      Corner &a = corners_[t[0]], &b = corners_[t[1]], &c = corners_[t[2]];
+      out_.triangles[at] = t;
+      out_.piece[at++] = a.piece < 0 ? ~a.piece : a.piece;
+      const Vec3f n = (b.x - a.x).cross(c.x - a.x);
+      const Eigen::Vector4f weighted(n.x(), n.y(), n.z(), n.norm());
+      if (!interior || a.piece >= 0) a.normal += weighted;
+      if (!interior || b.piece >= 0) b.normal += weighted;
+      if (!interior || c.piece >= 0) c.normal += weighted;
     };
     for (Index i = 0; i < tables_.skin_count(); ++i) {
       const auto& range = crack_.skin_cuts()[i].triangles;
-      if (range.count > 0)
-        write(range);
-      else
-        add(tables_.skin_uncut[i], tables_.skin_particle[tables_.skin_uncut[i][0]]);
+      if (range.count == 0) add(tables_.skin_uncut[i], false);
+      for (const CutTriangle& t : crack_.triangles_of(range)) add(t, false);
     }
-    skin_triangles_ = at;
-    for (const auto& cracked : crack_.cracked()) write(cracked.triangles);
+    const Index skin_triangles = at;
+    const auto& cracked = crack_.cracked();
+    for (std::size_t i = 0; i < cracked.size(); ++i) {
+      // Tets cracked one after the other need not have been cut in that order.
+      if (i + ahead < cracked.size())
+        __builtin_prefetch(crack_.triangles_of(cracked[i + ahead].triangles).data());
+      for (const CutTriangle& t : crack_.triangles_of(cracked[i].triangles)) add(t, true);
+    }
     out_.triangles.resize(static_cast<std::size_t>(at));
     out_.piece.resize(static_cast<std::size_t>(at));
     out_.interior.assign(static_cast<std::size_t>(at), 1);
-    std::fill_n(out_.interior.begin(), skin_triangles_, std::uint8_t(0));
+    std::fill_n(out_.interior.begin(), skin_triangles, std::uint8_t(0));
   }
 
-  // Skin and crack faces do not average over their rim: there, the skin decides and the corner is
-  // marked.
   void write_normals() {
-    std::vector<Eigen::Vector4f> sum(static_cast<std::size_t>(vertex_count_),
-                                     Eigen::Vector4f::Zero());
-    const auto add = [&](Index triangle, bool interior) {
-      const Triangle& t = out_.triangles[triangle];
-      const Vec3& a = out_.x[t[0]];
-      const Vec3f u = (out_.x[t[1]] - a).cast<float>(), v = (out_.x[t[2]] - a).cast<float>();
-      const Vec3f n = u.cross(v);
-      const Eigen::Vector4f weighted(n.x(), n.y(), n.z(), n.norm());
-      for (Index k : t)
-        if (!interior || (k >= shown_skin_ && !on_rim(k))) sum[k] += weighted;
-    };
-    for (Index i = 0; i < skin_triangles_; ++i) add(i, false);
-    rim_known_ = true;
-    for (Index i = skin_triangles_; i < out_.triangle_count(); ++i) add(i, true);
     parallel_for(vertex_count_, grain, [&](Index v) {
-      const Vec3f n = sum[v].head<3>();
+      const Eigen::Vector4f& sum = corners_[v].normal;
+      const Vec3f n = sum.head<3>();
       const float length = n.norm();
-      const float fold = v < shown_skin_ || out_.crease[v] ? skin_fold : crack_fold;
-      if (length < fold * sum[v][3]) out_.crease[v] = 1;
+      const float fold = corners_[v].piece < 0 ? skin_fold : crack_fold;
+      if (length < fold * sum[3]) out_.crease[v] = 1;
       out_.normal[v] = length > 0 ? Vec3f(n / length) : Vec3f::UnitY();
     });
   }
-
-  // Before normals are written, only rims carry the mark among the copies.
-  bool on_rim(Index v) const { return rim_known_ && out_.crease[v]; }
 
   const CrackMesh& crack_;
   const TetTables& tables_;
@@ -215,15 +235,14 @@ class Builder {
   const std::vector<float>& nearness_;
   SurfaceMesh& out_;
   Index skin_vertices_;
-  Index shown_skin_ = 0;
   Index vertex_count_ = 0;
-  Index skin_triangles_ = 0;
   bool dense_ = true;
   bool any_hidden_ = false;
-  bool rim_known_ = false;
   std::vector<std::uint8_t> hidden_;  // by piece id
   std::vector<Index> vertex_of_corner_;
-  std::vector<RigidMotion> motion_;
+  std::unique_ptr<Carrier[]> carriers_;  // by slot
+  std::unique_ptr<Corner[]> corners_;    // by vertex
+  Vec3 origin_ = Vec3::Zero();  // near the vertices, so that floats are good for differences
 };
 
 }  // namespace

@@ -12,8 +12,11 @@
 namespace rend::test {
 
 Outcome run_rend(const std::string& arguments) {
-  const std::string command = "REND_ROOT='" REND_SOURCE_DIR "' '" REND_BINARY "' " + arguments + " 2>&1";
-  std::FILE* pipe = popen(command.c_str(), "r");
+  return run_command("REND_ROOT='" REND_SOURCE_DIR "' '" REND_BINARY "' " + arguments);
+}
+
+Outcome run_command(const std::string& command) {
+  std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   if (!pipe) throw std::runtime_error("cannot start " + command);
   Outcome outcome;
   std::array<char, 4096> part{};

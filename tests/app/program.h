@@ -11,6 +11,9 @@ struct Outcome {
   std::string text;  ///< standard output and error, as they came
 };
 
+/// Runs a command of the shell.
+Outcome run_command(const std::string& command);
+
 /// Runs `rend` with shell-quoted arguments.
 Outcome run_rend(const std::string& arguments);
 

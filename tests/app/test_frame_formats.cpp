@@ -191,6 +191,36 @@ TEST_CASE("VTP: every array with its type and values") {
   CHECK(file.array<Index>("offsets", "Int32").back() == static_cast<Index>(corner.size()));
 }
 
+TEST_CASE("VTK reads the same closed surface and fields, where it is installed") {
+  const SurfaceMesh mesh = sample();
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("torn.vtp", surface_bytes(mesh, "vtp"));
+  const test::Outcome read =
+      test::run_command(fmt::format("python3 '{}' '{}'", REND_SOURCE_DIR "/tests/app/read_vtp.py", file.string()));
+  if (read.exit_code == 77 || read.exit_code == 127) {
+    MESSAGE("skipped: python3-vtk9 is not installed");
+    return;
+  }
+  CAPTURE(read.text);
+  REQUIRE(read.exit_code == 0);
+  const std::size_t points = mesh.x.size(), triangles = mesh.triangles.size();
+  const auto has = [&](const std::string& line) {
+    CAPTURE(line);
+    CHECK(read.text.find(line + "\n") != std::string::npos);
+  };
+  has(fmt::format("points {}", points));
+  has(fmt::format("triangles {}", triangles));
+  has("open or non-manifold edges 0");
+  const Vec3 rest = mesh.rest.back();
+  has(fmt::format("point rest {} {:.7g} {:.7g} {:.7g}", points, rest.x(), rest.y(), rest.z()));
+  has(fmt::format("point damage {} {:.7g}", points, mesh.damage.back()));
+  has(fmt::format("point stress {} {:.7g}", points, mesh.stress.back()));
+  has(fmt::format("point speed {} {:.7g}", points, mesh.speed.back()));
+  has(fmt::format("cell piece {} {}", triangles, mesh.piece.back()));
+  has(fmt::format("cell interior {} {}", triangles, mesh.interior.back()));
+  has("field TimeValue 1 0.25");
+}
+
 TEST_CASE("GLB: skin and crack apart, fields as attributes, sharp rims") {
   const SurfaceMesh mesh = sample();
   const GlbFile file(surface_bytes(mesh, "glb"));

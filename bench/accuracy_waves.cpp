@@ -3,6 +3,7 @@
 #include "bench/problems/manufactured_wave.h"
 #include "bench/problems/method.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rend {
@@ -56,26 +57,49 @@ SolverDesc as_float(SolverDesc solver) {
   return solver;
 }
 
+// CPU time of a run and of the clock's. The rule of the solution costs about a microsecond a node.
+Real wave_seconds(const SolverDesc& solver, const WaveRun& run, Real budget) {
+  const Real edge = run.cells + 4, dimension = run.thin ? 1 : 3;
+  const Real steps = run.duration * 1.2 * run.cells / run.courant;
+  const Real particles = std::pow(edge * run.per_axis, dimension);
+  const Real step =
+      particles * guessed_seconds(solver, run.mesh ? ForceKind::mesh : ForceKind::particle);
+  return steps * (step + 1e-6 * std::pow(edge, dimension) * (run.thin ? 9 : 1)) +
+         std::max(budget, 20 * step);
+}
+
+AccuracyRow rounding_row(const char* problem, const SolverDesc& exact, const WaveRun& run) {
+  AccuracyRow row = wave_row(problem, as_float(exact), run, 0);
+  const std::vector<Real> a = run_wave(exact, run).last, b = run_wave(as_float(exact), run).last;
+  Real sum = 0;
+  for (std::size_t p = 0; p < a.size(); ++p) sum += (a[p] - b[p]) * (a[p] - b[p]);
+  row.rounding = std::sqrt(sum / static_cast<Real>(a.size())) / run.amplitude;
+  return row;
+}
+
 // Float and double side by side until rounding shows.
-void refine_column(StudySize size, Real amplitude, const RowSink& done) {
+void refine_column(StudySize size, Real amplitude, AccuracyPlan& plan) {
   const int finest = size == StudySize::full ? 256 : size == StudySize::quick ? 64 : 16;
   WaveRun run;
   run.amplitude = amplitude;
   const char* problem = amplitude < 1e-3 ? "column_1e-4" : "column_4e-3";
+  const SolverDesc exact = method(Transfer::apic);
   for (run.cells = 16; run.cells <= finest; run.cells *= 2) {
-    const SolverDesc exact = method(Transfer::apic);
-    AccuracyRow row = wave_row(problem, exact, run, 0);
-    done(row);
-    AccuracyRow rounded = wave_row(problem, as_float(exact), run, 0);
-    const std::vector<Real> a = run_wave(exact, run).last, b = run_wave(as_float(exact), run).last;
-    Real sum = 0;
-    for (std::size_t p = 0; p < a.size(); ++p) sum += (a[p] - b[p]) * (a[p] - b[p]);
-    rounded.rounding = std::sqrt(sum / static_cast<Real>(a.size())) / amplitude;
-    done(rounded);
+    const Real seconds = wave_seconds(exact, run, 0);
+    plan.add(seconds, [=] { return wave_row(problem, exact, run, 0); });
+    plan.add(3 * seconds, [=] { return rounding_row(problem, exact, run); });
   }
 }
 
 }  // namespace
+
+Real guessed_seconds(const SolverDesc& solver, ForceKind force) {
+  if (solver.precision == Precision::float32) return force == ForceKind::mesh ? 350e-9 : 45e-9;
+  Real out = force == ForceKind::mesh ? 6e-6 : 1.3e-6;
+  if (solver.kernel == Kernel::cubic) out *= 2;
+  if (solver.transfer == Transfer::polypic || solver.transfer == Transfer::xpic) out *= 1.5;
+  return out;
+}
 
 std::vector<SolverDesc> studied_methods(Kernel kernel, ForceForm form) {
   std::vector<SolverDesc> out;
@@ -92,14 +116,13 @@ std::vector<SolverDesc> tile_methods() {
   return out;
 }
 
-void study_waves(StudySize size, const RowSink& done) {
+void study_waves(StudySize size, AccuracyPlan& plan) {
   const Real budget = size == StudySize::full ? 0.5 : 0.1;
   if (size == StudySize::smallest) {
-    for (int cells : {4, 6}) {
-      done(wave_row("wave", method(Transfer::apic), cube(cells, kSmall), 0));
-      done(wave_row("wave", as_float(method(Transfer::apic)), cube(cells, kSmall), 0));
-    }
-    refine_column(size, kSmall, done);
+    for (int cells : {4, 6})
+      for (const SolverDesc& solver : {method(Transfer::apic), as_float(method(Transfer::apic))})
+        plan.add(1, [=] { return wave_row("wave", solver, cube(cells, kSmall), 0); });
+    refine_column(size, kSmall, plan);
     return;
   }
   const bool full = size == StudySize::full;
@@ -112,7 +135,8 @@ void study_waves(StudySize size, const RowSink& done) {
       run.per_axis = per_axis;
       run.mesh = mesh;
       run.courant = courant;
-      done(wave_row(problem, solver, run, budget));
+      plan.add(wave_seconds(solver, run, budget),
+               [=] { return wave_row(problem, solver, run, budget); });
     }
   };
   const SolverDesc apic = method(Transfer::apic);
@@ -151,7 +175,7 @@ void study_waves(StudySize size, const RowSink& done) {
         sweep("large_wave", kLarge, method(transfer, kernel), {6, 12, 24}, 12);
     sweep("large_wave", kLarge, as_float(apic), {6, 12}, 12, 2, true);
   }
-  for (Real amplitude : {1e-4, kSmall}) refine_column(size, amplitude, done);
+  for (Real amplitude : {1e-4, kSmall}) refine_column(size, amplitude, plan);
 }
 
 }  // namespace rend

@@ -112,22 +112,20 @@ std::string accuracy_table(const std::vector<AccuracyRow>& rows) {
 
 StudyOutput bench_accuracy(StudySize size, const std::filesystem::path& scenes,
                            std::FILE* progress) {
-  std::vector<AccuracyRow> rows;
-  const RowSink done = [&](const AccuracyRow& row) {
-    rows.push_back(row);
-    if (!progress) return;
-    fmt::print(progress, "{:16} {:44} {:4} cells {:3.0f} a cell: {:8.3g} s, error {:.2e} {}\n",
-               row.problem, full_name(row), row.cells, row.particles_per_cell, row.cost.cpu_seconds,
-               row.error, row.cost.status == Status::ok ? "" : status_name(row.cost.status));
-    std::fflush(progress);
-  };
+  AccuracyPlan plan;
+  study_waves(size, plan);
+  study_turning(size, plan);
+  study_collision(size, plan);
+  study_driven(size, plan);
+  study_rupture(size, plan);
+  study_impact(size, scenes, plan);
   set_thread_count(1);
-  study_waves(size, done);
-  study_turning(size, done);
-  study_collision(size, done);
-  study_driven(size, done);
-  study_rupture(size, done);
-  study_impact(size, scenes, done);
+  const std::vector<AccuracyRow> rows = plan.run_all(progress, [](const AccuracyRow& row) {
+    return fmt::format("{:16} {:44} {:4} cells {:3.0f} a cell: {:8.3g} s, error {:.2e} {}",
+                       row.problem, full_name(row), row.cells, row.particles_per_cell,
+                       row.cost.cpu_seconds, row.error,
+                       row.cost.status == Status::ok ? "" : status_name(row.cost.status));
+  });
   set_thread_count(0);
   return {accuracy_table(rows), accuracy_csv(rows), accuracy_plots(rows)};
 }

@@ -2,6 +2,7 @@
 #include "bench/bench_cracks.h"
 
 #include "bench/problems/method.h"
+#include "engine/scene/crack_band.h"
 
 #include <fmt/format.h>
 
@@ -24,76 +25,108 @@ struct Laws {
   }
 };
 
-// Band of a crack over dx that the crack band rule assumes: spacing of tets, or 2.3 cells.
-Laws laws(Real fracture_energy, Real tau_c, Real dx, bool mesh, Real particles_per_cell) {
-  const Real band = mesh ? dx / std::cbrt(particles_per_cell) : 2.3 * dx;
+Laws laws(Real fracture_energy, Real tau_c, Real dx, bool mesh) {
+  const Real band =
+      crack_band_width(Kernel::quadratic, mesh ? ForceKind::mesh : ForceKind::particle, dx,
+                       2 * fracture_energy / tau_c);
   return {fracture_energy, band * tau_c * tau_c / (2 * fracture_energy)};
 }
 
-using Add = std::function<void(CrackRow, const std::function<Torn(int)>&)>;
+using CrackPlan = StudyPlan<CrackRow>;
+using RunOne = std::function<Torn(int)>;
 
-void study_bars(StudySize size, const Add& add) {
+// One ensemble; `seconds` guesses one run.
+void add(StudySize size, CrackRow row, Real seconds, const RunOne& run, CrackPlan& plan) {
+  const int runs = size == StudySize::smallest ? 2 : 8;
+  plan.add(runs * seconds, [=]() mutable {
+    std::vector<Torn> torn;
+    for (int n = 0; n < runs; ++n) torn.push_back(run(n));
+    fill_spreads(row, torn);
+    return row;
+  });
+}
+
+// What is left to chance between the runs of an ensemble.
+enum class Varied { shift, turn, tets, direction, seed };
+constexpr const char* kVaried[] = {"grid shift", "grid rotation", "mesh", "direction", "seed"};
+
+Real eighth_turn(int n) { return 45.0 * n / 7; }
+
+Torn tear_bar_number(BarRun run, Varied varied, int n) {
+  run.shift = n;
+  if (varied == Varied::turn) run.turn = eighth_turn(n);
+  if (varied == Varied::direction) run.pull_angle = eighth_turn(n);
+  if (varied == Varied::tets) run.tets = BarTets::delaunay;
+  return tear_bar(run);
+}
+
+void study_bars(StudySize size, CrackPlan& plan) {
   const std::vector<Real> all =
       size == StudySize::smallest ? std::vector<Real>{0.4} : std::vector<Real>{0.4, 0.2, 0.1};
   for (bool mesh : {true, false})
     for (bool by_energy : {false, true})
-      for (Real dx : all) {
-        if (!mesh && size != StudySize::full && dx < 0.2) continue;
-        BarRun run;
-        run.dx = dx;
-        run.mesh_force = mesh;
-        run.particles_per_cell = mesh ? 2 : 8;
-        run.softening = laws(0.5, 5, all[0], mesh, run.particles_per_cell).text(by_energy);
-        run.solver = method(Transfer::apic, Kernel::quadratic, ForceForm::mls, Precision::float32);
-        run.with_fracture_mesh = true;
-        CrackRow row;
-        row.body = "bar";
-        row.law = by_energy ? "fracture_energy" : "alpha";
-        row.force = mesh ? "mesh" : "particle";
-        row.varied = "grid shift";
-        row.dx = dx;
-        add(row, [&](int n) {
-          run.shift = n;
-          return tear_bar(run);
-        });
+      for (Varied varied : {Varied::shift, Varied::turn, Varied::direction, Varied::tets}) {
+        if (varied != Varied::shift && (size != StudySize::full || !by_energy)) continue;
+        if (!mesh && varied != Varied::shift && varied != Varied::turn) continue;
+        for (Real dx : all) {
+          if (!mesh && size != StudySize::full && dx < 0.2) continue;
+          if (varied == Varied::tets && dx < 0.2) continue;  // slivers take short steps
+          BarRun run;
+          run.dx = dx;
+          run.mesh_force = mesh;
+          run.particles_per_cell = mesh ? 2 : 8;
+          run.softening = laws(bar_energy(mesh), kBarStrength, all[0], mesh).text(by_energy);
+          run.solver =
+              method(Transfer::apic, Kernel::quadratic, ForceForm::mls, Precision::float32);
+          run.with_fracture_mesh = true;
+          CrackRow row;
+          row.body = "bar";
+          row.law = by_energy ? "fracture_energy" : "alpha";
+          row.force = mesh ? "mesh" : "particle";
+          row.varied = kVaried[static_cast<int>(varied)];
+          row.dx = dx;
+          const Real scale = 0.1 / dx;
+          add(
+              size, row, (varied == Varied::tets ? 6.0 : 1.0) * scale * scale,
+              [=](int n) { return tear_bar_number(run, varied, n); }, plan);
+        }
       }
 }
 
-void study_notched_bars(StudySize size, const std::filesystem::path& scenes, const Add& add) {
+void study_notched_bars(StudySize size, const std::filesystem::path& scenes, CrackPlan& plan) {
   const std::vector<Real> all = size == StudySize::smallest ? std::vector<Real>{0.216}
                                 : size == StudySize::quick  ? std::vector<Real>{0.216, 0.153}
                                                            : std::vector<Real>{0.216, 0.153, 0.108};
-  // The modulus of the scene at its dx.
-  const Real tau_c = 8000, energy = 2.3 * 0.108 * tau_c * tau_c / (2 * 3000);
+  // Particle forces can resolve it: 0.8 tau_c dx is 690 J/m2 at the finest dx.
+  const Real tau_c = 8000, energy = 500;
   for (bool mesh : {false, true})
     for (bool by_energy : {false, true})
-      for (const char* varied : {"seed", "grid shift", "grid rotation"}) {
-        const bool seeds = varied == std::string("seed"),
-                   shifts = varied == std::string("grid shift");
+      for (Varied varied : {Varied::seed, Varied::shift, Varied::turn}) {
+        const bool seeds = varied == Varied::seed;
         // Meshes of bodies with mesh forces are a lattice without chance.
-        if (size == StudySize::smallest ? mesh || !seeds : mesh && !shifts) continue;
+        if (size == StudySize::smallest ? mesh || !seeds : mesh && varied != Varied::shift)
+          continue;
         for (Real dx : all) {
           if (!seeds && !mesh && dx < (size == StudySize::full ? 0.1 : 0.2)) continue;
           if (mesh && dx < (size == StudySize::full ? 0.15 : 0.2)) continue;
           NotchRun run;
           run.dx = dx;
           run.mesh_force = mesh;
-          run.softening = laws(energy, tau_c, all[0], mesh, 9.673).text(by_energy);
+          run.softening = laws(energy, tau_c, all[0], mesh).text(by_energy);
           CrackRow row;
           row.body = "notched bar";
           row.law = by_energy ? "fracture_energy" : "alpha";
           row.force = mesh ? "mesh" : "particle";
-          row.varied = varied;
+          row.varied = kVaried[static_cast<int>(varied)];
           row.dx = dx;
-          add(row, [&](int n) {
-            if (seeds)
-              run.seed = n + 1;
-            else if (shifts)
-              run.shift = n + 1;
-            else
-              run.turn = 45.0 * n / 7;
-            return tear_notched_bar(scenes, run);
-          });
+          const auto number = [=](int n) {
+            NotchRun one = run;
+            if (varied == Varied::seed) one.seed = n + 1;
+            if (varied == Varied::shift) one.shift = n + 1;
+            if (varied == Varied::turn) one.turn = eighth_turn(n);
+            return tear_notched_bar(scenes, one);
+          };
+          add(size, row, (mesh ? 3 : 0.6) * std::pow(0.216 / dx, 4), number, plan);
         }
       }
 }
@@ -164,22 +197,14 @@ LogPlot crack_plot(const std::vector<CrackRow>& rows) {
 }  // namespace
 
 StudyOutput bench_cracks(StudySize size, const std::filesystem::path& scenes, std::FILE* progress) {
-  const int runs = size == StudySize::smallest ? 2 : 8;
-  std::vector<CrackRow> rows;
-  const Add add = [&](CrackRow row, const std::function<Torn(int)>& run) {
-    std::vector<Torn> torn;
-    for (int n = 0; n < runs; ++n) torn.push_back(run(n));
-    fill_spreads(row, torn);
-    rows.push_back(row);
-    if (!progress) return;
-    fmt::print(progress,
-               "{:12} {:9} {:16} {:14} dx {:6.3g}: dissipated {:.4g} +- {:.2g}, {:.3g} s\n",
-               row.body, row.force, row.law, row.varied, row.dx, row.dissipated.mean,
-               row.dissipated.deviation, row.cpu_seconds);
-    std::fflush(progress);
-  };
-  study_bars(size, add);
-  study_notched_bars(size, scenes, add);
+  CrackPlan plan;
+  study_bars(size, plan);
+  study_notched_bars(size, scenes, plan);
+  const std::vector<CrackRow> rows = plan.run_all(progress, [](const CrackRow& row) {
+    return fmt::format("{:12} {:9} {:16} {:14} dx {:6.3g}: dissipated {:.4g} +- {:.2g}, {:.3g} s",
+                       row.body, row.force, row.law, row.varied, row.dx, row.dissipated.mean,
+                       row.dissipated.deviation, row.cpu_seconds);
+  });
   return {crack_table(rows), crack_csv(rows), {crack_plot(rows)}};
 }
 

@@ -1,7 +1,7 @@
 // One ensemble of the crack study: the same body torn eight times, with one thing left to chance.
 #pragma once
 
-#include "bench/problems/torn_body.h"
+#include "bench/problems/torn_bar.h"
 #include "engine/core/types.h"
 
 #include <functional>

@@ -36,33 +36,6 @@ Real crack_area(const SurfaceMesh& mesh) {
   return 0.5 * area;
 }
 
-// Cells across the bar, the same at every dx, so that only the length of a cell changes.
-constexpr Real kAcross = 3;
-
-constexpr Real kBarSpeed = 0.075;  // of each grip [m/s]
-
-std::string bar_text(const BarRun& run, Real along, Real across) {
-  const auto grip = [&](int side) {
-    return fmt::format(
-        R"({{"shape": {{"type": "box", "size": [2, 4, 4]}}, "contact": "stick", "motion": [
-            {{"time": 0, "position": [{}, 0, 0]}}, {{"time": 8, "position": [{}, 0, 0]}}]}})",
-        4 * side + along, (4 + 8 * kBarSpeed) * side + along);
-  };
-  return fmt::format(
-      R"({{"name": "bar", "frame_rate": 10, "frames": 80, "gravity": [0, 0, 0],
-          "grid": {{"dx": {}}}, "solver": {{"kernel": "{}"}},
-          "materials": {{"m": {{"density": 1, "youngs_modulus": 100, "poisson_ratio": 0.3,
-            "yield_surface": {{"type": "rankine", "tau_c": 5, {}}},
-            "damage": {{"type": "granular", "threshold": 0.02}}}}}},
-          "bodies": [{{"shape": {{"type": "box", "size": [8, {}, {}]}}, "material": "m",
-            "force": "{}", "particles_per_cell": {},
-            "position": [{}, {}, {}]}}],
-          "colliders": [{}, {}]}})",
-      run.dx, run.solver.kernel == Kernel::cubic ? "cubic" : "quadratic", run.softening,
-      kAcross * run.dx, kAcross * run.dx, run.mesh_force ? "mesh" : "particle",
-      run.particles_per_cell, along, across, -across, grip(-1), grip(1));
-}
-
 }  // namespace
 
 Torn tear(const SceneDesc& scene, const Model& model, bool with_fracture_mesh) {
@@ -93,28 +66,6 @@ Torn tear(const SceneDesc& scene, const Model& model, bool with_fracture_mesh) {
     out.crack_area = crack_area(mesh->surface(snapshot));
   }
   out.cost = trial.cost();
-  return out;
-}
-
-Torn tear_bar(const BarRun& run) {
-  Random random(3, static_cast<std::uint64_t>(run.shift));
-  const Real along = run.dx * random.next(), across = run.dx * random.next();
-  SceneDesc scene = parse_scene(bar_text(run, along, across), "bar", ".");
-  scene.solver = run.solver;
-  Model model = build_model(scene);
-  // The crack starts in the middle, in a zone of the same number of cells at every dx. Matter moves
-  // with the grips from the start, so that no wave runs ahead of them.
-  model.strength.assign(model.X.size(), 1);
-  for (std::size_t p = 0; p < model.X.size(); ++p) {
-    const Real x = model.X[p][0] - along;
-    if (std::abs(x) < run.dx) model.strength[p] = 0.8f;
-    model.velocity[p][0] = kBarSpeed * std::clamp(x / 3, -1.0, 1.0);
-  }
-  Torn out = tear(scene, model, run.with_fracture_mesh);
-  const Real section = std::pow(kAcross * run.dx, 2);
-  out.dissipated /= section;
-  out.peak_force /= section;
-  out.crack_area /= section;
   return out;
 }
 

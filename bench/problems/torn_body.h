@@ -21,21 +21,6 @@ struct Torn {
 /// Runs all frames of a scene whose first two colliders are the grips.
 Torn tear(const SceneDesc& scene, const Model& model, bool with_fracture_mesh);
 
-/// How a bar 8 m long of three by three cells is torn in the middle; shift: number of the random
-/// shift against the grid.
-struct BarRun {
-  Real dx = 0.4;
-  std::string softening = R"("fracture_energy": 0.5)";  ///< key and value of the yield surface
-  int shift = 0;
-  bool mesh_force = true;
-  Real particles_per_cell = 2;
-  SolverDesc solver;
-  bool with_fracture_mesh = false;
-};
-
-/// Results for a cross-section of 1 m2.
-Torn tear_bar(const BarRun& run);
-
 /// How the notched bar of the resolution study (E11) is torn, without gravity and strength field.
 struct NotchRun {
   Real dx = 0.216;

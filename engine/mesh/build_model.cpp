@@ -2,10 +2,12 @@
 #include "engine/mesh/build_model.h"
 
 #include "engine/core/error.h"
+#include "engine/material/law_constants.h"
 #include "engine/mesh/body.h"
 #include "engine/mesh/repair.h"
 #include "engine/mesh/strength_field.h"
 #include "engine/mesh/stuffing.h"
+#include "engine/scene/crack_band.h"
 #include "engine/scene/motion.h"
 
 #include <fmt/format.h>
@@ -110,6 +112,18 @@ void append(const SceneDesc& scene, std::size_t b, const Body& body, Model& mode
   model.spacing.push_back(scene.grid.dx / std::cbrt(desc.particles_per_cell));
 }
 
+// A fracture energy that particles cannot hold.
+void note_tough_matter(const SceneDesc& scene, std::size_t b, Model& model) {
+  const MaterialDesc& m = scene.materials[scene.bodies[b].material];
+  if (!m.fracture_energy || scene.bodies[b].force == ForceKind::mesh) return;
+  const Real most = kMostCrackEnergy * initial_threshold(m.yield_surface) * scene.grid.dx;
+  if (*m.fracture_energy > most)
+    model.notes.push_back(fmt::format(
+        "/bodies/{}: particles part numerically at about {:.3g} J/m2 of crack at this dx, before "
+        "the fracture_energy {:.3g} J/m2 of \"{}\" is used up; force \"mesh\" holds it",
+        b, most, *m.fracture_energy, m.name));
+}
+
 }  // namespace
 
 ModelEstimate estimate_model(const SceneDesc& scene, const MeshLoading& loading) {
@@ -145,6 +159,7 @@ Model build_model(const SceneDesc& scene, double memory_limit, const Progress& p
                    }),
            model);
   }
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) note_tough_matter(scene, b, model);
   model.strength = strength_factors(scene, model);
   report("done", 1);
   return model;

@@ -1,4 +1,4 @@
-// Checks across fields, and the softening that keeps the fracture energy when dx changes.
+// Checks across fields.
 #include "engine/scene/scene_check.h"
 
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 
 #include "engine/core/error.h"
 #include "engine/material/law_constants.h"
+#include "engine/scene/crack_band.h"
 #include "engine/scene/json_value.h"
 
 namespace rend {
@@ -19,56 +20,6 @@ namespace {
 using Point = Eigen::Vector2d;
 
 constexpr Real kMaxStepsPerFrame = 1e6;
-
-/// The softening from which the yield surface of `m` snaps back; asked of the law itself, by
-/// halving.
-Real snap_back_limit(MaterialDesc m, std::size_t softening) {
-  m.softening_rule = SofteningRule::implicit_rule;
-  Real& value = m.yield_surface.value[softening];
-  Real low = 0, high = value;
-  for (int i = 0; i < 60; ++i) {
-    value = (low + high) / 2;
-    (snaps_back(m) ? high : low) = value;
-  }
-  return high;
-}
-
-Real band_width(const SceneDesc& scene, const BodyDesc& body) {
-  if (body.force == ForceKind::mesh) return scene.grid.dx / std::cbrt(body.particles_per_cell);
-  return (scene.solver.kernel == Kernel::cubic ? 3.3 : 2.3) * scene.grid.dx;
-}
-
-void derive_softening(SceneDesc& scene, std::size_t index, const std::string& where) {
-  MaterialDesc& m = scene.materials[index];
-  if (!m.fracture_energy) return;
-  const std::string key = join_pointer(where, "yield_surface") + "/fracture_energy";
-  Real width = 0;
-  for (const BodyDesc& body : scene.bodies) {
-    if (body.material != index) continue;
-    const Real w = band_width(scene, body);
-    if (width != 0 && w != width)
-      throw Error(
-          key, fmt::format("is shared by bodies whose cracks are {:.4g} m and {:.4g} m wide; give "
-                           "each of them its own material",
-                           width, w));
-    width = w;
-  }
-  if (width == 0) width = band_width(scene, BodyDesc{});
-  const std::size_t softening = *find_parameter(m.yield_surface.type, "softening");
-  const Real tau_c = m.yield_surface.value[*find_parameter(m.yield_surface.type, "tau_c")];
-  const Real alpha = width * tau_c * tau_c / (2 * *m.fracture_energy);
-  m.yield_surface.value[softening] = alpha;
-  MaterialDesc implicit = m;
-  implicit.softening_rule = SofteningRule::implicit_rule;
-  if (!snaps_back(implicit)) return;
-  const Real limit = snap_back_limit(m, softening);
-  throw Error(
-      key, fmt::format(
-               "is {} J/m2, which at dx = {} m asks for softening {:.4g} Pa; from {:.4g} Pa "
-               "the stress snaps back: take dx below {:.4g} m or fracture_energy above {:.4g} J/m2",
-               *m.fracture_energy, scene.grid.dx, alpha, limit, scene.grid.dx * limit / alpha,
-               *m.fracture_energy * alpha / limit));
-}
 
 Real cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
 

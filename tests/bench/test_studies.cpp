@@ -108,9 +108,9 @@ TEST_CASE("accuracy: CSV, table and plots of the smallest study") {
 }
 
 TEST_CASE("accuracy: the path of a driven block is exact but for rounding with the implicit rule") {
-  std::vector<AccuracyRow> rows;
-  study_driven(StudySize::smallest, [&](const AccuracyRow& row) { rows.push_back(row); });
-  for (const AccuracyRow& row : rows) {
+  AccuracyPlan plan;
+  study_driven(StudySize::smallest, plan);
+  for (const AccuracyRow& row : plan.run_all(nullptr, nullptr)) {
     const bool implicit_rule = row.rule == SofteningRule::implicit_rule;
     if (row.solver.deformation_update == DeformationUpdate::linear || !implicit_rule) {
       CHECK(row.error > 1e-6);

@@ -337,7 +337,7 @@ TEST_CASE("bodies whose cracks differ in width cannot share a fracture energy") 
   const std::string energy = "/materials/clay/yield_surface/fracture_energy";
   CHECK_FALSE(refusal(kGood, {{energy, "200"}, {"/bodies", "[" + body + "," + body + "]"}}));
   check_refused(kGood, {{energy, "200"}, {"/bodies", "[" + body + "," + mesh_body + "]"}},
-                "#" + energy, {"0.115 m and 0.025 m", "its own material"});
+                "#" + energy, {"particle and with mesh forces", "its own material"});
 }
 
 TEST_CASE("files that cannot be read are named") {

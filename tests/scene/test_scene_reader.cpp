@@ -99,14 +99,19 @@ TEST_CASE("fracture energy sets softening from the width of the crack band") {
     all.insert(all.end(), more.begin(), more.end());
     return yield_value(parse(kSmall, all).materials[0], "softening");
   };
-  const Real quadratic = 2.3 * 0.05 * 1e4 * 1e4 / (2 * 200.0);
-  CHECK(softening({}) == doctest::Approx(quadratic).epsilon(1e-14));
+  // Half of tau_c times the opening: a crack is open at 0.04 m, dx is 0.05 m.
+  const auto alpha = [](Real width) { return width * 1e4 * 1e4 / (2 * 200.0); };
+  const Real shrunk = 0.05 * std::sqrt(0.05 / 0.04);
+  CHECK(softening({}) == doctest::Approx(alpha(1.1 * shrunk)).epsilon(1e-14));
   CHECK(softening({{"/solver/kernel", "cubic"}}) ==
-        doctest::Approx(quadratic * 3.3 / 2.3).epsilon(1e-14));
-  CHECK(softening({{"/grid/dx", "0.025"}}) == doctest::Approx(quadratic / 2).epsilon(1e-14));
-  const Real edge = 0.05 / std::cbrt(2.0);
-  CHECK(softening({{"/bodies/0/force", "mesh"}, {"/bodies/0/particles_per_cell", "2"}}) ==
-        doctest::Approx(edge * 1e8 / 400).epsilon(1e-14));
+        doctest::Approx(alpha(1.7 * shrunk)).epsilon(1e-14));
+  // Softening ends long before particles part: the whole band of the kernel.
+  CHECK(softening({{"/grid/dx", "0.2"}}) == doctest::Approx(alpha(2.3 * 0.2)).epsilon(1e-14));
+  const std::pair<std::string, std::string> mesh{"/bodies/0/force", "mesh"};
+  CHECK(softening({mesh}) == doctest::Approx(alpha(2.5 * 0.05)).epsilon(1e-14));
+  CHECK(softening({mesh, {"/bodies/0/particles_per_cell", "2"}}) == softening({mesh}));
+  CHECK(softening({mesh, {"/grid/dx", "0.025"}}) ==
+        doctest::Approx(alpha(1.25 * 0.05)).epsilon(1e-14));
 }
 
 TEST_CASE("the largest dx that a snap-back message names is the limit") {

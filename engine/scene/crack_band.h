@@ -6,7 +6,7 @@
 namespace rend {
 
 /// Width of the band of matter that a crack in this body softens [m]: softened rest volume over the
-/// area of the crack, measured with bars that were torn (docs/decisions/0001-crack-band.md). The
+/// area of the crack, measured with bars that were torn (docs/decisions/0004-crack-band.md). The
 /// kernel sets it, not the tets or particles. `opening` is that of a crack that carries nothing any
 /// more, 2 G_f / tau_c [m]. Particles part numerically before they have opened that far, so their
 /// band counts for less the larger it is.

@@ -126,7 +126,6 @@ TEST_CASE("H1 crushed mesh elements") {
       scene.colliders = grips(4, -4, 1.25);
       const auto solver = make(kind, scene, kuhn_box(Vec3(-2, -1, -1), Vec3i(8, 4, 4), 0.5));
       const Run run = run_frames(*solver, 8, 0.1);
-      CHECK(run.clamped > 0);
       note("H1", yields ? "crushed mesh elements, yield" : "crushed mesh elements, elastic", kind,
            run);
     }

@@ -43,6 +43,8 @@ std::string label_of(const AccuracyRow& row) {
   if (row.solver.kernel == Kernel::cubic) label += " cubic";
   if (row.solver.force_form == ForceForm::gradient) label += " gradient";
   if (row.force == ForceKind::mesh) label += ", mesh forces";
+  if (row.solver.deformation_update == DeformationUpdate::linear) label += ", linear update";
+  if (row.rule == SofteningRule::explicit_rule) label += ", explicit softening";
   return label + (row.solver.precision == Precision::float32 ? ", tile" : "");
 }
 
@@ -154,6 +156,9 @@ std::vector<LogPlot> accuracy_plots(const std::vector<AccuracyRow>& rows) {
                           "lost share of the mechanical energy"));
   out.push_back(work_plot(rows, "colliding_balls", plain_step, "Two balls collide (P3)",
                           "lost share of the mechanical energy"));
+  for (const char* problem : {"driven_rankine", "driven_von_mises"})
+    out.push_back(work_plot(rows, problem, plain_step, "A path through yield and softening (P4)",
+                            "error of the stress"));
   out.push_back(
       work_plot(rows, "torn_bar", plain_step, "A bar is torn (P5)", "error of the crack's energy"));
   out.push_back(work_plot(rows, "taylor_bar", plain_step, "A copper bar hits a wall (P6)",

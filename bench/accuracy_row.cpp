@@ -2,6 +2,7 @@
 #include "bench/accuracy_row.h"
 
 #include "bench/problems/method.h"
+#include "bench/run_counters.h"
 
 #include <fmt/format.h>
 
@@ -54,6 +55,9 @@ std::vector<Column> columns() {
   add("cpu_s", [](Row r) { return r.cost.cpu_seconds; });
   add("cpu_s_min", [](Row r) { return r.cpu_seconds_min; });
   add("wall_s", [](Row r) { return r.cost.wall_seconds; });
+  add("wall_s_min", [](Row r) { return r.wall_seconds_min; });
+  add("instructions", [](Row r) { return r.instructions; });
+  add("peak_rss", [](Row r) { return r.peak_memory; });
   add("ns_per_particle_step", [](Row r) { return r.ns_per_particle_step(); });
   add("particle_steps_per_s", [](Row r) { return 1e9 / r.ns_per_particle_step(); });
   add("bytes_per_particle", [](Row r) { return r.cost.bytes_per_particle; });
@@ -106,13 +110,17 @@ void repeat(AccuracyRow& row, Real budget, const std::function<RunCost()>& run) 
   std::vector<Real> cpu, wall;
   Real used = 0;
   do {
+    const RunCounters counters;
     row.cost = run();
+    row.instructions = counters.instructions();
+    row.peak_memory = counters.peak_memory();
     cpu.push_back(row.cost.cpu_seconds);
     wall.push_back(row.cost.wall_seconds);
     used += cpu.back();
   } while (used + cpu.back() < budget && cpu.size() < 5);
   row.repeats = static_cast<int>(cpu.size());
   row.cpu_seconds_min = *std::min_element(cpu.begin(), cpu.end());
+  row.wall_seconds_min = *std::min_element(wall.begin(), wall.end());
   row.cost.cpu_seconds = median(cpu);
   row.cost.wall_seconds = median(wall);
 }

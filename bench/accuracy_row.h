@@ -25,7 +25,9 @@ struct AccuracyRow {
 
   RunCost cost;  ///< CPU and wall seconds are medians of the repeats
   int repeats = 1;
-  Real cpu_seconds_min = 0;
+  Real cpu_seconds_min = 0, wall_seconds_min = 0;
+  Real instructions = kNotMeasured;  ///< of the last repeat, set-up included
+  Real peak_memory = kNotMeasured;   ///< of the process [bytes]
 
   Real error = kNotMeasured;  ///< the one that plots show
   Real error_u = kNotMeasured, error_v = kNotMeasured, error_tau = kNotMeasured;

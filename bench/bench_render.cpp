@@ -66,7 +66,7 @@ std::vector<RenderTiming> bench_render(bool quick) {
           mesh = {};
           append_surface(surface, surface.damage, mesh);
         }));
-    Bounds bounds;
+    Bounds3f bounds;
     add("bounds", least(runs, [&] {
           bounds = {};
           for (const MeshVertex& v : mesh.vertices) bounds.add(Vec3f(v.x[0], v.x[1], v.x[2]));
@@ -74,7 +74,7 @@ std::vector<RenderTiming> bench_render(bool quick) {
     GroundMap ground;
     add("ground map", least(runs, [&] { ground = make_ground_map(mesh, {}, 0, 0, bounds); }));
     add("upload", least(runs, [&] { raster.upload(mesh, {}, 0); }));
-    const View view = make_view(camera, 1280, 720, bounds);
+    const PerspectiveView view = make_view(camera, 1280, 720, bounds);
     const Look look = make_look(list, view, bounds.center(), bounds.radius());
     DepthMap key;
     key.size = 512;

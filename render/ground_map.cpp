@@ -96,7 +96,7 @@ void transpose(std::vector<float>& plane, std::vector<float>& scratch) {
 }  // namespace
 
 GroundMap make_ground_map(const CornerMesh& mesh, const std::vector<PointVertex>& points,
-                          float point_radius, float floor, const Bounds& bounds) {
+                          float point_radius, float floor, const Bounds3f& bounds) {
   GroundMap map;
   if (bounds.empty()) return map;
   const float radius = bounds.radius();

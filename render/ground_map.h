@@ -21,6 +21,6 @@ struct GroundMap {
 /// cosine-weighted view factor, about a blur of width h; heights are sorted into three layers, each
 /// with a blur of its own.
 GroundMap make_ground_map(const CornerMesh& mesh, const std::vector<PointVertex>& points,
-                          float point_radius, float floor, const Bounds& bounds);
+                          float point_radius, float floor, const Bounds3f& bounds);
 
 }  // namespace rend

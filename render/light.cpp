@@ -93,7 +93,7 @@ struct FrameStore {
     f.smooth = smooth.data() + kLanePad;
   }
 
-  void set_scene(const GBuffer& picture, const View& view, const DepthMap& key,
+  void set_scene(const GBuffer& picture, const PerspectiveView& view, const DepthMap& key,
                  const GroundMap& ground, const Look& look) {
     LightFrame& f = frame;
     f.depth = picture.depth.data();
@@ -210,7 +210,7 @@ struct LightPlanes::State {
   FrameStore store{};
 
   /// All that shading reads.
-  void prepare(const GBuffer& picture, const View& view, const DepthMap& key,
+  void prepare(const GBuffer& picture, const PerspectiveView& view, const DepthMap& key,
                const GroundMap& ground, const Look& look, bool occlusion) {
     store.set_output(picture.width, picture.height, picture.stride, look);
     store.set_scene(picture, view, key, ground, look);
@@ -227,7 +227,7 @@ LightPlanes::LightPlanes(Arithmetic arithmetic)
                                                        : reference_light_kernels()}) {}
 LightPlanes::~LightPlanes() = default;
 
-Image LightPlanes::light(const GBuffer& picture, const View& view, const DepthMap& key,
+Image LightPlanes::light(const GBuffer& picture, const PerspectiveView& view, const DepthMap& key,
                          const GroundMap& ground, const Look& look) {
   state_->prepare(picture, view, key, ground, look, true);
   const FrameStore& store = state_->store;
@@ -236,7 +236,7 @@ Image LightPlanes::light(const GBuffer& picture, const View& view, const DepthMa
   return store.image(store.frame.smooth);
 }
 
-void LightPlanes::add_pass(const GBuffer& picture, const View& view, const DepthMap& key,
+void LightPlanes::add_pass(const GBuffer& picture, const PerspectiveView& view, const DepthMap& key,
                            const GroundMap& ground, const DepthMap* sky, const Look& look) {
   const std::size_t plane =
       static_cast<std::size_t>(picture.stride) * static_cast<std::size_t>(picture.height);

@@ -28,14 +28,14 @@ class LightPlanes {
 
   /// Lights one picture. `key` is the depth map of the key light, `ground` the ambient light on the
   /// floor. The same bytes for any number of threads.
-  Image light(const GBuffer& picture, const View& view, const DepthMap& key,
+  Image light(const GBuffer& picture, const PerspectiveView& view, const DepthMap& key,
               const GroundMap& ground, const Look& look);
 
   /// Adds a pass of a still; each has its own sub-pixel shift and point of the key light. With
   /// `sky`, the depth map seen from look.sky_direction, that direction alone lights the surfaces
   /// and takes the place of the ambient occlusion: exact in the limit, but it needs some dozens of
   /// passes.
-  void add_pass(const GBuffer& picture, const View& view, const DepthMap& key,
+  void add_pass(const GBuffer& picture, const PerspectiveView& view, const DepthMap& key,
                 const GroundMap& ground, const DepthMap* sky, const Look& look);
   /// The mean of all passes since the last still. @throws Error when there was none.
   Image finish_still(const Look& look);

@@ -11,7 +11,7 @@ namespace rend {
 namespace {
 
 /// Direction given by components to the right of the camera, up, and back towards the camera.
-Vec3f studio_direction(const View& view, float right, float up, float back) {
+Vec3f studio_direction(const PerspectiveView& view, float right, float up, float back) {
   Vec3f toward(-view.forward.x(), 0, -view.forward.z());
   // Straight from above the azimuth is that of the picture's lower edge.
   if (toward.norm() < 1e-3f) toward = Vec3f(-view.up.x(), 0, -view.up.z());
@@ -25,7 +25,8 @@ Rgb scaled(const Rgb& c, float s) { return {c[0] * s, c[1] * s, c[2] * s}; }
 
 }  // namespace
 
-Look make_look(const DrawList& list, const View& view, const Vec3f& center, float radius) {
+Look make_look(const DrawList& list, const PerspectiveView& view, const Vec3f& center,
+               float radius) {
   Look look;
   const bool dark = list.theme == Theme::dark;
   look.key_direction = studio_direction(view, 0.68f, 1.0f, 0.55f);

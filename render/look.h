@@ -31,6 +31,6 @@ struct Look {
 
 /// Lights relative to the camera, colours by theme and colour map. Sizes follow `radius`, that of
 /// what is drawn [m].
-Look make_look(const DrawList& list, const View& view, const Vec3f& center, float radius);
+Look make_look(const DrawList& list, const PerspectiveView& view, const Vec3f& center, float radius);
 
 }  // namespace rend

@@ -249,7 +249,7 @@ void Raster::upload(const CornerMesh& mesh, const std::vector<PointVertex>& poin
   state_->device->check("sending the shapes");
 }
 
-void Raster::draw(const View& view, GBuffer& out) {
+void Raster::draw(const PerspectiveView& view, GBuffer& out) {
   State& s = *state_;
   const GlFunctions& gl = s.gl;
   s.device->make_current();

@@ -22,7 +22,7 @@ class Raster {
   /// Sends the shapes to the driver; they stay until the next call.
   void upload(const CornerMesh& mesh, const std::vector<PointVertex>& points, float point_radius);
 
-  void draw(const View& view, GBuffer& out);
+  void draw(const PerspectiveView& view, GBuffer& out);
   void draw_depth(const LightBox& light, DepthMap& out);
 
  private:

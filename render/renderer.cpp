@@ -89,7 +89,7 @@ Vec3f tilted(const Vec3f& axis, float right, float up) {
 struct Renderer::State {
   explicit State(GlBackend backend) : raster(backend) {}
 
-  void draw_key(const Bounds& bounds, int size, Look& look) {
+  void draw_key(const Bounds3f& bounds, int size, Look& look) {
     key.size = size;
     raster.draw_depth(make_light_box(look.key_direction, bounds), key);
     const float texel = 2 * key.box.half / static_cast<float>(size);
@@ -131,7 +131,7 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
     point_radius = list.points->radius;
   }
 
-  Bounds bounds;
+  Bounds3f bounds;
   for (const MeshVertex& v : mesh.vertices) bounds.add(Vec3f(v.x[0], v.x[1], v.x[2]));
   for (const PointVertex& p : points) bounds.add(Vec3f(p.x[0], p.x[1], p.x[2]));
   if (point_radius > 0 && !bounds.empty()) {
@@ -139,9 +139,9 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
     bounds.box.max().array() += point_radius;
   }
 
-  View view = make_view(camera, options.width, options.height, bounds);
+  PerspectiveView view = make_view(camera, options.width, options.height, bounds);
   // What has flown far out of the picture must not coarsen the shadow of what is in it.
-  Bounds casters = bounds;
+  Bounds3f casters = bounds;
   if (!bounds.empty()) {
     const float reach = 5 * view.half_height * std::max(1.0f, view.tan_x / view.tan_y);
     const Vec3f target = camera.target.cast<float>(), side = Vec3f::Constant(reach);

@@ -10,7 +10,7 @@
 
 namespace rend {
 
-View make_view(const Camera& camera, int width, int height, const Bounds& bounds) {
+PerspectiveView make_view(const Camera& camera, int width, int height, const Bounds3f& bounds) {
   if (!camera.eye.allFinite() || !camera.target.allFinite() || !camera.up.allFinite())
     throw Error("camera", "eye, target and up must be finite numbers");
   if (!(camera.fov >= 1 && camera.fov <= 150))
@@ -19,7 +19,7 @@ View make_view(const Camera& camera, int width, int height, const Bounds& bounds
   const Real distance = ahead.norm();
   if (!(distance > 1e-9)) throw Error("camera", "eye and target are the same point");
 
-  View view;
+  PerspectiveView view;
   view.width = width;
   view.height = height;
   const Vec3 forward = ahead / distance;
@@ -43,7 +43,7 @@ View make_view(const Camera& camera, int width, int height, const Bounds& bounds
   return view;
 }
 
-Mat4f clip_from_world(const View& view) {
+Mat4f clip_from_world(const PerspectiveView& view) {
   Mat4f eye_from_world = Mat4f::Identity();
   eye_from_world.block<1, 3>(0, 0) = view.right.transpose();
   eye_from_world.block<1, 3>(1, 0) = view.up.transpose();
@@ -62,7 +62,7 @@ Mat4f clip_from_world(const View& view) {
   return clip * eye_from_world;
 }
 
-LightBox make_light_box(const Vec3f& direction, const Bounds& bounds) {
+LightBox make_light_box(const Vec3f& direction, const Bounds3f& bounds) {
   LightBox box;
   box.direction = direction.normalized();
   const Vec3f seed = std::abs(box.direction.y()) < 0.9f ? Vec3f(0, 1, 0) : Vec3f(1, 0, 0);

@@ -11,7 +11,7 @@ namespace rend {
 using Mat4f = Eigen::Matrix4f;
 
 /// Smallest box around finite points; empty when nothing was added.
-struct Bounds {
+struct Bounds3f {
   Eigen::AlignedBox3f box;
   void add(const Vec3f& p) {
     if (p.allFinite()) box.extend(p);
@@ -23,7 +23,7 @@ struct Bounds {
 
 /// A perspective view; a point at view depth z (along `forward`) under pixel (x, y) counted from
 /// the top left is eye + z (forward + u(x) right + v(y) up).
-struct View {
+struct PerspectiveView {
   int width = 1, height = 1;
   Vec3f eye, right, up, forward;
   float tan_x = 1, tan_y = 1;      ///< tangents of the half angles
@@ -34,13 +34,13 @@ struct View {
 
 /// @throws Error when the camera is not finite, has no direction or an angle outside 1..150
 /// degrees.
-View make_view(const Camera& camera, int width, int height, const Bounds& bounds);
+PerspectiveView make_view(const Camera& camera, int width, int height, const Bounds3f& bounds);
 
 /// World to clip space with y pointing down, so that framebuffer rows run from the top of the
 /// picture.
-Mat4f clip_from_world(const View& view);
+Mat4f clip_from_world(const PerspectiveView& view);
 
 /// Frame of an orthographic view from `direction` (towards the light) that covers `bounds`.
-LightBox make_light_box(const Vec3f& direction, const Bounds& bounds);
+LightBox make_light_box(const Vec3f& direction, const Bounds3f& bounds);
 
 }  // namespace rend

@@ -22,14 +22,14 @@ struct Stage {
   GBuffer picture;
   DepthMap key;
   GroundMap ground;
-  View view;
+  PerspectiveView view;
   Look look;
   CornerMesh mesh;
 
   Stage(int width, int height, Theme theme, GlBackend backend = GlBackend::automatic) {
     const SurfaceMesh surface = torn_torus(20000);
     append_surface(surface, surface.damage, mesh);
-    Bounds bounds;
+    Bounds3f bounds;
     for (const MeshVertex& v : mesh.vertices) bounds.add(Vec3f(v.x[0], v.x[1], v.x[2]));
     Camera camera;
     camera.eye = Vec3(5.2, 2.85, 1.2);
@@ -166,14 +166,14 @@ TEST_CASE("a sphere covers its projected area") {
   const SurfaceMesh sphere = sphere_surface(Vec3(0, 0, 0), 0.5, 200);
   CornerMesh mesh;
   append_surface(sphere, {}, mesh);
-  Bounds bounds;
+  Bounds3f bounds;
   bounds.add(Vec3f(-0.5f, -0.5f, -0.5f));
   bounds.add(Vec3f(0.5f, 0.5f, 0.5f));
   Camera camera;
   camera.eye = Vec3(3, 0, 0);
   camera.target = Vec3(0, 0, 0);
   camera.fov = 30;
-  const View view = make_view(camera, 800, 600, bounds);
+  const PerspectiveView view = make_view(camera, 800, 600, bounds);
   Raster raster(GlBackend::automatic);
   raster.upload(mesh, {}, 0);
   GBuffer picture;
@@ -231,7 +231,7 @@ TEST_CASE(
     slab.triangles = {{0, 1, 2}, {1, 3, 2}};
     CornerMesh mesh;
     append_prop(slab, mesh);
-    Bounds bounds;
+    Bounds3f bounds;
     for (const Vec3f& x : slab.x) bounds.add(x);
     const GroundMap map = make_ground_map(mesh, {}, 0, 0, bounds);
     const float center = map.open[128 * 256 + 128];

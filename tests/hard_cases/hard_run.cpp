@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 namespace rend {
 
@@ -91,11 +90,6 @@ void note(const char* id, const std::string& what, const SolverKind& kind, const
   if (run.clamped > 0) outcome += fmt::format(", {} clamped", run.clamped);
   if (!more.empty()) outcome += ", " + more;
   note(id, what, kind.name, outcome);
-}
-
-bool full_length() {
-  const char* full = std::getenv("REND_FULL");
-  return full && std::string(full) == "1";
 }
 
 LatticeModel block(const Vec3i& count, const Vec3& velocity) {

@@ -46,9 +46,6 @@ void note(const char* id, const std::string& what, const SolverKind& kind, const
 void note(const char* id, const std::string& what, const std::string& solver,
           const std::string& outcome);
 
-/// REND_FULL=1 asks for the long versions.
-bool full_length();
-
 /// A body of `count` particles per axis, two to a cell, jittered; at rest around the origin.
 LatticeModel block(const Vec3i& count, const Vec3& velocity = Vec3::Zero());
 

@@ -2,6 +2,7 @@
 // empty scenes (H5, H7 to H9, H11, H13, H14).
 #include "engine/core/error.h"
 #include "engine/mpm/energy_balance.h"
+#include "tests/effort.h"
 #include "tests/hard_cases/hard_run.h"
 
 #include <doctest/doctest.h>
@@ -105,7 +106,7 @@ TEST_CASE("H7 long flight keeps momentum, and energy only falls") {
     Transfer transfer;
     const char* name;
   };
-  const Index steps = full_length() ? 100000 : 2000;
+  const Index steps = test::by_effort(200, 2000, 100000);
   for (const Row& row : {Row{Transfer::apic, "apic"}, Row{Transfer::flip, "flip 1"}})
     for (const SolverKind& kind : main_solvers()) {
       if (row.transfer == Transfer::flip && !kind.reference()) continue;

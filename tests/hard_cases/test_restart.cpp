@@ -3,6 +3,7 @@
 #include "engine/core/parallel.h"
 #include "engine/mpm/energy_balance.h"
 #include "engine/mpm/state_file.h"
+#include "tests/effort.h"
 #include "tests/hard_cases/hard_run.h"
 
 #include <doctest/doctest.h>
@@ -233,7 +234,7 @@ TEST_CASE("H16 damaged and forged state files are refused or harmless") {
 
     // Forged: the checksum is right, the contents are not. Refused, or it runs by the common rule.
     int ran = 0, turned_down = 0;
-    const int forgeries = full_length() ? 20000 : 600;
+    const int forgeries = test::by_effort(150, 600, 20000);
     for (int n = 0; n < forgeries; ++n) {
       StateBytes forged = good;
       const int changes = 1 + n % 3;

@@ -1,11 +1,11 @@
 // Transfer schemes: which contain which, what they conserve, what they reproduce, what they damp.
 #include "engine/mpm/grid_transfer.h"
+#include "tests/effort.h"
 #include "tests/mpm/lattice_model.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <numbers>
 
 using namespace rend;
@@ -203,7 +203,7 @@ TEST_CASE("XPIC leaves a body at rest on a sticky floor at rest") {
 // A free disc turns about its axis; figures of the table are the kept shares of kinetic energy and
 // of angular momentum. Damping of PIC and FLIP is per step, so the step is fixed.
 TEST_CASE("how much of a rotation each scheme keeps") {
-  const bool full = std::getenv("REND_FULL") != nullptr;
+  const bool full = test::full_effort();
   const Real radius = full ? 8 : 4;
   const int steps = full ? 6147 : 400;
   struct Kept {

@@ -3,12 +3,12 @@
 #include "app/scene_library.h"
 #include "engine/core/error.h"
 #include "engine/fracture/check_mesh.h"
+#include "tests/effort.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <string>
 
@@ -19,7 +19,6 @@ namespace {
 constexpr double kMemoryLimit = 8e9;  // bytes
 constexpr double kQuickParticles = 20000;
 constexpr double kQuickMeshParticles = 1500;  // mesh forces run in the reference solver
-constexpr int kFrames = 2;  // of each scene; REND_FULL=1 runs all
 
 /// Particle counts that the slides of 2019 give, by the beginning of the scene's name.
 const std::map<std::string, double> kExperiments = {
@@ -91,7 +90,7 @@ TEST_CASE("each scene is named like its file, says what it teaches, and runs its
     const SceneDesc scene = quick(library, name, full);
     Pipeline pipeline(scene, std::make_shared<Model>(build_model(scene, kMemoryLimit)));
     const Real volume = rest_volume(*pipeline.current().surface);
-    const int frames = std::getenv("REND_FULL") ? scene.frames : kFrames;
+    const int frames = test::by_effort(1, 2, scene.frames);
     for (int n = 1; n <= frames; ++n) {
       const Frame frame = pipeline.advance();
       CAPTURE(n);

@@ -114,9 +114,10 @@ TEST_CASE("V2 generalised vortex: displacement of order 2 under large shear and 
     return std::pair(errors.back(), order);
   };
   const auto [error, order] =
-      study(method(Transfer::apic, Kernel::quadratic, ForceForm::mls, Precision::float32), 16, 64);
-  CHECK(error < 8e-3);
-  CHECK(order > 1.8);
+      study(method(Transfer::apic, Kernel::quadratic, ForceForm::mls, Precision::float32), 16,
+            brief_study() ? 32 : 64);
+  CHECK(error < (brief_study() ? 3e-2 : 8e-3));
+  CHECK(order > (brief_study() ? 1.3 : 1.8));
   // Sixteen cells a ring width are not yet where the orders settle, but the solvers agree there.
   CHECK(
       whirl(method(Transfer::apic), 16) ==

@@ -1,6 +1,7 @@
 // The HTTP interface.
 #include "app/api.h"
 
+#include "app/api_body.h"
 #include "app/api_query.h"
 #include "app/frame_formats.h"
 #include "app/pixel_probe.h"
@@ -14,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 namespace rend {
@@ -48,7 +50,8 @@ json state_json(const SessionState& s, const Session& session, const PictureServ
   out["camera"] = {{"eye", vector_json(scene.camera.eye)},
                    {"target", vector_json(scene.camera.target)},
                    {"fov", scene.camera.fov}};
-  out["view"] = {{"color", scene.render.color_by}, {"mode", scene.render.particles ? "particles" : "surface"}};
+  out["view"] = {{"color", scene.render.color_by},
+                 {"mode", scene.render.particles ? "particles" : "surface"}};
   const Grip grip = suitable_grip(scene, *s.model);
   out["grip"] = {{"radius", grip.radius}, {"strength", grip.strength}};
   out["pull"] = pull_json(s.pull);
@@ -73,33 +76,23 @@ json state_json(const SessionState& s, const Session& session, const PictureServ
   out["energy_drift"] = energy_drift(r);
   const std::string warning = energy_warning(r);
   out["energy_warning"] = warning.empty() ? json(nullptr) : json(warning);
-  out["reason"] = r.status == Status::ok
-                      ? json(nullptr)
-                      : json{{"status", status_name(r.status)}, {"text", r.reason}, {"frame", r.frame}};
+  out["reason"] =
+      r.status == Status::ok
+          ? json(nullptr)
+          : json{{"status", status_name(r.status)}, {"text", r.reason}, {"frame", r.frame}};
   return out;
 }
 
 json control_json(const Control& c, const SceneDesc& now, const SceneDesc& loaded) {
-  json out = {{"id", c.id},           {"label", c.label},
-              {"unit", c.unit},       {"help", c.help},
-              {"group", c.group},     {"min", c.min},
-              {"max", c.max},         {"scale", c.logarithmic ? "log" : "linear"},
-              {"value", c.get(now)},  {"default", c.get(loaded)},
-              {"hero", c.hero},       {"applies", c.applies == Applies::live ? "live" : "postprocess"}};
+  json out = {
+      {"id", c.id},          {"label", c.label},
+      {"unit", c.unit},      {"help", c.help},
+      {"group", c.group},    {"min", c.min},
+      {"max", c.max},        {"scale", c.logarithmic ? "log" : "linear"},
+      {"value", c.get(now)}, {"default", c.get(loaded)},
+      {"hero", c.hero},      {"applies", c.applies == Applies::live ? "live" : "postprocess"}};
   if (c.whole) out["step"] = 1;
   return out;
-}
-
-json parse_body(const Request& request) {
-  if (request.body.empty()) return json::object();
-  constexpr int kDepth = 8;
-  const auto limit = [](int depth, json::parse_event_t, json&) {
-    if (depth > kDepth) throw Error("", "nested too deeply");
-    return true;
-  };
-  json body = json::parse(request.body, limit, false);
-  if (!body.is_object()) throw Error("", "the body must be a JSON object");
-  return body;
 }
 
 Response list_scenes(const ApiContext& context) {
@@ -109,7 +102,8 @@ Response list_scenes(const ApiContext& context) {
       const SceneDesc scene = context.session.library().read(name);
       scenes.push_back({{"name", name}, {"title", scene.name}, {"description", scene.description}});
     } catch (const Error& error) {
-      scenes.push_back({{"name", name}, {"title", name}, {"description", ""}, {"problem", error.why()}});
+      scenes.push_back(
+          {{"name", name}, {"title", name}, {"description", ""}, {"problem", error.why()}});
     }
   }
   return reply({{"current", context.session.state().scene_name}, {"scenes", scenes}});
@@ -119,18 +113,20 @@ Response get_parameters(const ApiContext& context) {
   const SessionState s = context.session.state();
   json parameters = json::array();
   if (s.stage)
-    for (const Control& c : s.controls) parameters.push_back(control_json(c, s.stage->scene, *s.loaded));
+    for (const Control& c : s.controls)
+      parameters.push_back(control_json(c, s.stage->scene, *s.loaded));
   return reply({{"revision", s.revision}, {"parameters", parameters}});
 }
 
 Response patch_parameters(const ApiContext& context, const Request& request) {
-  const json body = parse_body(request);
-  if (!body.contains("values") || !body["values"].is_object())
+  const JsonValue body = parse_body(request.body, {"values"});
+  const JsonValue* values = body.find("values");
+  if (!values || values->kind != JsonValue::Kind::object)
     throw Error("/values", "must be an object of control ids and numbers");
   SetValues set;
-  for (const auto& [id, value] : body["values"].items()) {
-    if (!value.is_number()) throw Error("/values/" + id, "must be a number");
-    set.values[id] = value.get<Real>();
+  for (const auto& [id, value] : values->members) {
+    if (value.kind != JsonValue::Kind::number) throw Error("/values/" + id, "must be a number");
+    set.values[id] = value.number;
   }
   context.session.send(std::move(set));
   return reply({{"revision", context.session.state().revision}});
@@ -138,15 +134,20 @@ Response patch_parameters(const ApiContext& context, const Request& request) {
 
 Response post_action(const ApiContext& context, const Request& request) {
   const std::string& action = request.parts.at(0);
-  const json body = parse_body(request);
-  if (action == "play") context.session.send(Play{});
-  else if (action == "pause") context.session.send(Pause{});
-  else if (action == "reset") context.session.send(Reset{});
-  else if (action == "step") {
-    const json frames = body.value("frames", json(1));
-    if (!frames.is_number_integer() || frames.get<std::int64_t>() < 1 || frames.get<std::int64_t>() > 1000)
+  const bool steps = action == "step";
+  const JsonValue body =
+      steps ? parse_body(request.body, {"frames"}) : parse_body(request.body, {});
+  if (action == "play")
+    context.session.send(Play{});
+  else if (action == "pause")
+    context.session.send(Pause{});
+  else if (action == "reset")
+    context.session.send(Reset{});
+  else if (steps) {
+    const Real frames = body.find("frames") ? read_number(body, "frames", 1, 1000) : 1;
+    if (frames != std::floor(frames))
       throw Error("/frames", "must be a whole number from 1 to 1000");
-    context.session.send(Step{frames.get<int>()});
+    context.session.send(Step{static_cast<int>(frames)});
   } else {
     return web::problem(404, "unknown_action", "actions are play, pause, step and reset");
   }
@@ -154,15 +155,16 @@ Response post_action(const ApiContext& context, const Request& request) {
 }
 
 Response post_scene(const ApiContext& context, const Request& request) {
-  const json body = parse_body(request);
-  if (!body.contains("name") || !body["name"].is_string()) throw Error("/name", "must be the name of a scene");
-  context.session.send(LoadScene{body["name"].get<std::string>()});
+  const JsonValue body = parse_body(request.body, {"name"});
+  const JsonValue* name = body.find("name");
+  if (!name || name->kind != JsonValue::Kind::text)
+    throw Error("/name", "must be the name of a scene");
+  context.session.send(LoadScene{name->text});
   return reply({{"revision", context.session.state().revision}});
 }
 
 Response post_pull(const ApiContext& context, const Request& request) {
-  const json body = parse_body(request);
-  const SetPull set = read_pull(body);
+  const SetPull set = read_pull(request.body);
   const RunState run = context.session.state().run;
   if (set.pull.radius > 0 && (run == RunState::finished || run == RunState::stopped))
     return web::problem(409, "run_ended", "The run has ended; reset it to pull.");
@@ -177,26 +179,35 @@ Response get_picture(const ApiContext& context, const Request& request) {
   while (true) {
     const SessionState state = context.session.state();
     const auto recorded = context.session.frame(query.frame);
-    if (!recorded && state.last_frame >= 0) return web::problem(404, "no_frame", "this frame is not recorded");
+    if (!recorded && state.last_frame >= 0)
+      return web::problem(404, "no_frame", "this frame is not recorded");
     if (recorded && state.stage) {
       const Frame& frame = recorded->frame;
       const View view = query.view(*state.stage);
-      const std::string frame_key = fmt::format("{}-{}-{}", state.data, frame.snapshot->frame, state.scene_name);
-      const std::string token = fmt::format("{:016x}", std::hash<std::string>{}(frame_key + view.key()));
+      const std::string frame_key =
+          fmt::format("{}-{}-{}", state.data, frame.snapshot->frame, state.scene_name);
+      const std::string token =
+          fmt::format("{:016x}", std::hash<std::string>{}(frame_key + view.key()));
       if (token != query.after) {
-        const auto picture = context.pictures.picture(frame_key, state.stage, frame, view, query.format);
+        const auto picture =
+            context.pictures.picture(frame_key, state.stage, frame, view, query.format);
         if (!picture) return web::problem(503, "stopping", "the server is stopping");
-        return {200, "image/jpeg", picture->bytes,
-                {{"X-Token", token},
-                 {"X-Frame", std::to_string(frame.snapshot->frame)},
-                 {"X-Frames", std::to_string(state.last_frame)},
-                 {"X-Time", fmt::format("{}", frame.snapshot->time)},
-                 {"X-Legend", fmt::format("{};{};{}", picture->low, picture->high, picture->caption)},
-                 {"Cache-Control", "no-store"}}};
+        return {
+            200,
+            "image/jpeg",
+            picture->bytes,
+            {{"X-Token", token},
+             {"X-Frame", std::to_string(frame.snapshot->frame)},
+             {"X-Frames", std::to_string(state.last_frame)},
+             {"X-Time", fmt::format("{}", frame.snapshot->time)},
+             {"X-Legend", fmt::format("{};{};{}", picture->low, picture->high, picture->caption)},
+             {"Cache-Control", "no-store"}}};
       }
     }
-    const double left = std::chrono::duration<double>(deadline - std::chrono::steady_clock::now()).count();
-    if (left <= 0 || *request.stopping) return {204, "text/plain", "", {{"Cache-Control", "no-store"}}};
+    const double left =
+        std::chrono::duration<double>(deadline - std::chrono::steady_clock::now()).count();
+    if (left <= 0 || *request.stopping)
+      return {204, "text/plain", "", {{"Cache-Control", "no-store"}}};
     context.session.state(state.revision, left, request.stopping);
   }
 }
@@ -209,9 +220,11 @@ Response get_probe(const ApiContext& context, const Request& request) {
   if (!recorded || !state.stage) return web::problem(404, "no_frame", "this frame is not recorded");
   const Frame& frame = recorded->frame;
   // The frame may be older than a scene that was loaded since.
-  if (frame.snapshot->x.size() != state.model->X.size()) return web::problem(404, "no_frame", "the scene has changed");
+  if (frame.snapshot->x.size() != state.model->X.size())
+    return web::problem(404, "no_frame", "the scene has changed");
   json out = {{"frame", frame.snapshot->frame}, {"matter", nullptr}};
-  if (const auto found = probe_pixel(*state.stage, *state.model, frame, query.view(*state.stage), at.x, at.y)) {
+  if (const auto found =
+          probe_pixel(*state.stage, *state.model, frame, query.view(*state.stage), at.x, at.y)) {
     out["matter"] = {{"position", vector_json(found->position)},
                      {"rest", vector_json(found->rest)},
                      {"velocity", vector_json(found->velocity)},
@@ -230,13 +243,15 @@ Response get_probe(const ApiContext& context, const Request& request) {
 
 Response post_mesh(const ApiContext& context, const Request& request) {
   const auto name = request.query.find("name");
-  if (name == request.query.end() || name->second.empty()) throw Error("name", "is needed: the file's name");
+  if (name == request.query.end() || name->second.empty())
+    throw Error("name", "is needed: the file's name");
   const UploadedMesh uploaded = context.uploads.add(name->second, request.body);
   return reply({{"name", uploaded.name}, {"notes", uploaded.notes}});
 }
 
 /// A recorded frame as a picture, or as a mesh of the given format.
-Response get_frame_file(const ApiContext& context, const Request& request, const FrameFormat* format) {
+Response get_frame_file(const ApiContext& context, const Request& request,
+                        const FrameFormat* format) {
   const Index number = read_frame_number(request.parts.at(0));
   const auto recorded = context.session.frame(number);
   const SessionState state = context.session.state();
@@ -247,13 +262,14 @@ Response get_frame_file(const ApiContext& context, const Request& request, const
         {"Content-Disposition", fmt::format("attachment; filename=\"{}.{}\"", name, ending)}};
   };
   if (format)
-    return {200, format->media_type, format->surface(*recorded->frame.surface, recorded->frame.snapshot->time),
+    return {200, format->media_type,
+            format->surface(*recorded->frame.surface, recorded->frame.snapshot->time),
             attachment(format->name)};
   PictureQuery query = read_picture_query(request.query);
   query.quality_still = true;
   const std::string frame_key = fmt::format("{}-{}-{}", state.data, number, state.scene_name);
-  const auto picture = context.pictures.picture(frame_key, state.stage, recorded->frame, query.view(*state.stage),
-                                                PictureFormat::png);
+  const auto picture = context.pictures.picture(frame_key, state.stage, recorded->frame,
+                                                query.view(*state.stage), PictureFormat::png);
   if (!picture) return web::problem(503, "stopping", "the server is stopping");
   return {200, "image/png", picture->bytes, attachment("png")};
 }
@@ -293,7 +309,8 @@ Response get_series(const ApiContext& context, const Request& request) {
 /// The picture of a scene that was embedded at build time, or 204.
 Response embedded_thumbnail(const std::string& scene) {
   for (const web::Asset& asset : web::page_assets())
-    if (asset.path == "/thumbs/" + scene + ".jpg") return {200, "image/jpeg", std::string(asset.bytes), {}};
+    if (asset.path == "/thumbs/" + scene + ".jpg")
+      return {200, "image/jpeg", std::string(asset.bytes), {}};
   return {204, "text/plain", "", {}};
 }
 
@@ -310,7 +327,8 @@ Response get_thumbnail(const ApiContext& context, const Request& request) {
   if (theme != request.query.end() && theme->second == "dark") view.theme = Theme::dark;
   const std::string frame_key =
       fmt::format("{}-{}-{}", state.data, recorded->frame.snapshot->frame, state.scene_name);
-  const auto picture = context.pictures.picture(frame_key, state.stage, recorded->frame, view, PictureFormat::jpeg);
+  const auto picture =
+      context.pictures.picture(frame_key, state.stage, recorded->frame, view, PictureFormat::jpeg);
   if (!picture) return {204, "text/plain", "", {}};
   return {200, "image/jpeg", picture->bytes, {{"Cache-Control", "no-store"}}};
 }
@@ -332,10 +350,14 @@ Response get_version(const ApiContext& context) {
 
 std::vector<web::Route> make_api(ApiContext c) {
   std::vector<web::Route> routes = {
-      {"GET", "/api/health", [](const Request&) { return reply({{"ok", true}}); }},
+      {"GET", "/api/health",
+       [](const Request&) {
+         return reply({{"ok", true}});
+       }},
       {"GET", "/api/version", [c](const Request&) { return get_version(c); }},
       {"GET", "/api/scenes", [c](const Request&) { return list_scenes(c); }},
-      {"GET", "/api/scenes/{name}/thumb.jpg", [c](const Request& r) { return get_thumbnail(c, r); }},
+      {"GET", "/api/scenes/{name}/thumb.jpg",
+       [c](const Request& r) { return get_thumbnail(c, r); }},
       {"POST", "/api/scene", [c](const Request& r) { return post_scene(c, r); }},
       {"GET", "/api/state", [c](const Request& r) { return get_state(c, r); }, 0, true},
       {"GET", "/api/parameters", [c](const Request&) { return get_parameters(c); }},
@@ -344,10 +366,11 @@ std::vector<web::Route> make_api(ApiContext c) {
       {"POST", "/api/pull", [c](const Request& r) { return post_pull(c, r); }},
       {"GET", "/api/frame.jpg", [c](const Request& r) { return get_picture(c, r); }, 0, true},
       {"GET", "/api/probe", [c](const Request& r) { return get_probe(c, r); }},
-      {"POST", "/api/meshes", [c](const Request& r) { return post_mesh(c, r); }, MeshUploads::kMostBytes, true,
-       "application/octet-stream"},
+      {"POST", "/api/meshes", [c](const Request& r) { return post_mesh(c, r); },
+       MeshUploads::kMostBytes, true, "application/octet-stream"},
       {"GET", "/api/series", [c](const Request& r) { return get_series(c, r); }},
-      {"GET", "/api/frames/{n}.png", [c](const Request& r) { return get_frame_file(c, r, nullptr); }},
+      {"GET", "/api/frames/{n}.png",
+       [c](const Request& r) { return get_frame_file(c, r, nullptr); }},
   };
   for (const FrameFormat& format : frame_formats())
     routes.push_back({"GET", "/api/frames/{n}/mesh." + format.name,

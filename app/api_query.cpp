@@ -4,7 +4,6 @@
 #include "engine/core/error.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -103,20 +102,5 @@ PictureShare read_picture_share(const Query& query) {
 }
 
 Index read_frame_number(const std::string& text) { return parse<Index>("frame", text, 0, 1000000000); }
-
-Real read_number(const nlohmann::json& body, const char* key, Real min, Real max) {
-  if (!body.contains(key) || !body[key].is_number()) throw Error(std::string("/") + key, "must be a number");
-  const Real value = body[key].get<Real>();
-  if (!(value >= min && value <= max))
-    throw Error(std::string("/") + key, fmt::format("{} is out of range; {} to {} is allowed", value, min, max));
-  return value;
-}
-
-Vec3 read_vector(const nlohmann::json& body, const char* key) {
-  const bool right = body.contains(key) && body[key].is_array() && body[key].size() == 3 && body[key][0].is_number() &&
-                     body[key][1].is_number() && body[key][2].is_number();
-  if (!right) throw Error(std::string("/") + key, "must be three numbers");
-  return {body[key][0].get<Real>(), body[key][1].get<Real>(), body[key][2].get<Real>()};
-}
 
 }  // namespace rend

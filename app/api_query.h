@@ -1,10 +1,8 @@
-// Reads numbers, vectors and views out of requests, with errors that name what is allowed.
+// Reads numbers and views out of the query of a request, with errors that name what is allowed.
 #pragma once
 
 #include "app/picture_service.h"
 #include "app/view.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <map>
 #include <string>
@@ -40,7 +38,5 @@ struct PictureShare {
 };
 PictureShare read_picture_share(const Query& query);
 Index read_frame_number(const std::string& text);
-Real read_number(const nlohmann::json& body, const char* key, Real min, Real max);
-Vec3 read_vector(const nlohmann::json& body, const char* key);
 
 }  // namespace rend

@@ -1,7 +1,7 @@
 // The pull tool of a viewer.
 #include "app/pull_tool.h"
 
-#include "app/api_query.h"
+#include "app/api_body.h"
 #include "engine/material/law_constants.h"
 
 #include <nlohmann/json.hpp>
@@ -18,7 +18,9 @@ constexpr Real kRadiusShare = 0.07;  // of the diagonal of all matter
 constexpr Real kStrengthFactor = 1.5;
 constexpr Real kElasticStrain =
     0.1;  // matter without a threshold is pulled as if it bore this strain
-constexpr Real kMostNewton = 1e12;
+constexpr Real kMostNewton = 1e12;  // of a spring, and on each axis of a constant force
+constexpr Real kFarthest = 1e6;     // from the origin [m]
+constexpr Real kWidest = 1e3;       // radius of a grip [m]
 
 Real two_digits(Real value) {
   if (!(value > 0)) return value;
@@ -49,21 +51,21 @@ Grip suitable_grip(const SceneDesc& scene, const Model& model) {
   return grip;
 }
 
-SetPull read_pull(const nlohmann::json& body) {
+SetPull read_pull(const std::string& text) {
+  const JsonValue body = parse_body(text, {"at", "target", "force", "radius", "strength"});
   SetPull set;
   PullForce& pull = set.pull;
-  pull.radius = read_number(body, "radius", 0, 1e3);
+  pull.radius = read_number(body, "radius", 0, kWidest);
   if (pull.radius == 0) return set;
-  if (!body.contains("target")) {
-    pull.at = read_vector(body, "at");
-    pull.force = read_vector(body, "force");
+  set.keeps_grip = body.find("target") && !body.find("at");
+  if (!set.keeps_grip) pull.at = read_vector(body, "at", kFarthest);
+  if (!body.find("target")) {
+    pull.force = read_vector(body, "force", kMostNewton);
     return set;
   }
-  pull.target = read_vector(body, "target");
+  pull.target = read_vector(body, "target", kFarthest);
   pull.strongest = read_number(body, "strength", 0, kMostNewton);
   pull.stiffness = pull.strongest / (2 * pull.radius);
-  set.keeps_grip = !body.contains("at");
-  if (!set.keeps_grip) pull.at = read_vector(body, "at");
   return set;
 }
 

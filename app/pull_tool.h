@@ -17,8 +17,8 @@ Grip suitable_grip(const SceneDesc& scene, const Model& model);
 /// {"at", "target", "radius", "strength"} begins a spring from `at` to `target`, {"target",
 /// "radius", "strength"} moves the one that acts, {"at", "force", "radius"} is a constant force,
 /// and radius 0 lets go. A spring reaches its strength [N] when it is as long as the grip is wide.
-/// @throws Error with a JSON pointer.
-SetPull read_pull(const nlohmann::json& body);
+/// `body` is the JSON text. @throws Error with a JSON pointer.
+SetPull read_pull(const std::string& body);
 
 /// The pull as viewers are told; null when there is none.
 nlohmann::json pull_json(const PullForce& pull);

@@ -1,6 +1,8 @@
 // The real program over HTTP: the first picture in time, transport, steering, errors, a clean end.
 // Run: REND_BINARY=build/release/rend REND_ROOT=. node --test tests/end_to_end/api.mjs
 import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
 import { after, before, test } from "node:test";
 import { RendServer, patience } from "./server.mjs";
 
@@ -60,8 +62,40 @@ test("bad requests are refused with a problem that names the place", async () =>
   const range = await server.send("PATCH", "/api/parameters", { values: { [threshold]: -1 } });
   assert.equal(range.status, 422);
   assert.equal(range.body.pointer, `/values/${threshold}`);
-  assert.equal((await server.send("PATCH", "/api/parameters", "{")).status, 422);
-  assert.equal((await server.send("POST", "/api/scene", { name: "../../etc/passwd" })).status, 422);
+  const step = "/api/actions/step";
+  const pull = { at: [0, 0, 0], force: [0, 0, 1], radius: 0.1 };
+  const bad = [
+    ["PATCH", "/api/parameters", "{", undefined],
+    ["PATCH", "/api/parameters", { values: { [threshold]: true } }, `/values/${threshold}`],
+    ["PATCH", "/api/parameters", `{"values": {"${threshold}": 1e999}}`, undefined],
+    ["POST", "/api/scene", { name: "../../etc/passwd" }, "/name"],
+    ["POST", "/api/scene", { name: 7 }, "/name"],
+    ["POST", "/api/scene", { name: "tear", nmae: "press" }, "/nmae"],
+    ["POST", "/api/scene", '{"name": "tear", "name": "press"}', "/name"],
+    ["POST", "/api/scene", '{"name": NaN}', undefined],
+    ["POST", "/api/scene", "[".repeat(4000), "/0".repeat(32)],
+    ["POST", step, { frames: 0 }, "/frames"],
+    ["POST", step, { frames: 1.5 }, "/frames"],
+    ["POST", step, { frames: "2" }, "/frames"],
+    ["POST", step, '{"frames": 1e30}', "/frames"],
+    ["POST", step, { frmaes: 2 }, "/frmaes"],
+    ["POST", "/api/actions/play", { frames: 2 }, "/frames"],
+    ["POST", "/api/pull", { ...pull, at: [0, 0, null] }, "/at"],
+    ["POST", "/api/pull", { ...pull, at: [0, 0] }, "/at"],
+    ["POST", "/api/pull", { ...pull, force: [0, 1e300, 0] }, "/force"],
+    ["POST", "/api/pull", { ...pull, radius: -1 }, "/radius"],
+  ];
+  const before = (await server.get("/api/state")).body;
+  for (const [method, path, body, pointer] of bad) {
+    const reply = await server.send(method, path, body);
+    const sent = `${path} ${JSON.stringify(body).slice(0, 80)}`;
+    assert.equal(reply.status, 422, sent);
+    assert.equal(reply.body.pointer, pointer, sent);
+    assert.ok(reply.body.detail.length > 5 && reply.body.detail.length < 400);
+  }
+  const after = (await server.get("/api/state")).body;
+  assert.equal(after.frame, before.frame);
+  assert.equal(after.scene, before.scene);
   assert.equal((await server.send("POST", "/api/actions/explode")).status, 404);
   assert.equal((await server.get("/api/frame.jpg?w=100000")).status, 422);
   assert.equal((await server.get("/api/nothing")).status, 404);
@@ -163,6 +197,18 @@ test("recorded frames are meshed again with other settings, and show what is clo
   assert.ok(!first.equals(await mesh()), "frames before the last are meshed again too");
   const renewed = await picture("threshold");
   assert.notEqual(renewed.headers.get("x-token"), before.headers.get("x-token"));
+});
+
+test("a port that is taken is told, with exit code 2", async () => {
+  const second = spawn(binary, ["serve", "tear", "--port", new URL(server.url).port], {
+    env: { ...process.env, REND_ROOT: root },
+    stdio: ["ignore", "ignore", "pipe"],
+  });
+  let said = "";
+  second.stderr.on("data", (data) => (said += data));
+  const [code] = await once(second, "close");
+  assert.equal(code, 2);
+  assert.match(said, /is taken by another program; choose another/);
 });
 
 test("SIGTERM ends the server within 2 s", async () => {

@@ -4,6 +4,7 @@
 #include "app/checkpoint.h"
 #include "app/progress.h"
 #include "app/record.h"
+#include "app/write_file.h"
 #include "engine/core/error.h"
 #include "engine/mpm/energy_balance.h"
 
@@ -98,6 +99,7 @@ void go_on(Pipeline& pipeline, const Checkpoint& from, const RunDirectory& direc
 int run_scene(const SceneDesc& scene, const RunOptions& options) {
   const int frames = options.frames > 0 ? options.frames : scene.frames;
   const std::uint64_t hash = motion_hash(scene);
+  check_folder(options.output.out);  // before minutes of preparation
   Checkpoint from;
   if (options.resume) from = newest_checkpoint(options.output.out, hash);
   else drop_checkpoints(options.output.out);
@@ -144,6 +146,7 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
 int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_directory, const OutputOptions& options,
                const std::vector<int>& only) {
   const auto files = recorded_files(run_directory);
+  check_folder(options.out);
   const auto model = prepare_model(scene);
   const std::uint64_t wanted = fingerprint(*model);
   const Stage stage = make_stage(scene, *model);

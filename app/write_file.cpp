@@ -4,6 +4,7 @@
 #include "engine/core/error.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -26,6 +27,18 @@ void write_file(const std::filesystem::path& file, const std::string& bytes) {
       std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
   if (std::fclose(out) != 0 || !written) refuse("write the file");
   if (std::rename(temporary.c_str(), file.c_str()) != 0) refuse("rename the finished file");
+}
+
+void check_folder(const std::filesystem::path& folder) {
+  std::error_code code;
+  std::filesystem::path there = std::filesystem::absolute(folder);
+  while (!std::filesystem::exists(there, code) && there.has_relative_path())
+    there = there.parent_path();
+  if (!std::filesystem::is_directory(there, code))
+    throw Error(folder.string(), fmt::format("cannot be a folder: {} is a file", there.string()));
+  if (access(there.c_str(), W_OK | X_OK) != 0)
+    throw Error(folder.string(),
+                fmt::format("cannot be written: {}: {}", there.string(), std::strerror(errno)));
 }
 
 void make_folder(const std::filesystem::path& folder) {

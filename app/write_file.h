@@ -10,6 +10,10 @@ namespace rend {
 /// refuses.
 void write_file(const std::filesystem::path& file, const std::string& bytes);
 
+/// Changes nothing. @throws Error naming what is in the way when make_folder() or a file in the
+/// folder would be refused.
+void check_folder(const std::filesystem::path& folder);
+
 /// Makes a folder and those above it. @throws Error naming the folder when the disk refuses.
 void make_folder(const std::filesystem::path& folder);
 

@@ -163,7 +163,10 @@ std::string run_mesh_loader(std::string_view bytes, const std::string& ending,
                      loading.wall_seconds));
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGXCPU || signal == SIGKILL)
+    // Its own limits end in SIGXCPU or a failed allocation; nothing of ours sends SIGKILL before the wall limit.
+    if (signal == SIGKILL)
+      fail("was not read: the mesh loader was killed from outside, perhaps because the machine is out of memory");
+    if (signal == SIGXCPU)
       fail(fmt::format(
           "is damaged or too large: the mesh loader took more than {} s of processor time",
           loading.cpu_seconds));

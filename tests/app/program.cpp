@@ -11,8 +11,8 @@
 
 namespace rend::test {
 
-Outcome run_rend(const std::string& arguments) {
-  return run_command("REND_ROOT='" REND_SOURCE_DIR "' '" REND_BINARY "' " + arguments);
+Outcome run_rend(const std::string& arguments, const std::string& before) {
+  return run_command(before + "; REND_ROOT='" REND_SOURCE_DIR "' '" REND_BINARY "' " + arguments);
 }
 
 Outcome run_command(const std::string& command) {

@@ -14,8 +14,8 @@ struct Outcome {
 /// Runs a command of the shell.
 Outcome run_command(const std::string& command);
 
-/// Runs `rend` with shell-quoted arguments.
-Outcome run_rend(const std::string& arguments);
+/// Runs `rend` with shell-quoted arguments, after shell commands such as limits.
+Outcome run_rend(const std::string& arguments, const std::string& before = ":");
 
 /// A new empty folder that is removed with the object.
 class TemporaryFolder {

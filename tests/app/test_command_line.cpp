@@ -102,3 +102,35 @@ TEST_CASE("bad scene files: one clear message, exit code 2, nothing written") {
     CHECK_FALSE(std::filesystem::exists(out));
   }
 }
+
+TEST_CASE("a folder that cannot be written is told before anything is prepared") {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("small.json", small_scene());
+  const auto file = folder.write("file", "not a folder");
+  for (const std::string& out : {file.string(), (file / "below").string()}) {
+    CAPTURE(out);
+    const Outcome run = run_rend("run '" + scene.string() + "' --frames 1 --out '" + out + "'");
+    CAPTURE(run.text);
+    CHECK(run.exit_code == 2);
+    CHECK(lines_of(run.text) == 1);
+    CHECK(run.text.find(out) != std::string::npos);
+  }
+  CHECK(read(file) == "not a folder");
+}
+
+TEST_CASE("a disk that takes no more ends the run with the file's name, and leaves whole frames only") {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("small.json", small_scene());
+  const auto out = folder.path() / "out";
+  // No file may grow above 32 KiB: the table and the scene fit, a mesh does not.
+  const Outcome run = run_rend("run '" + scene.string() + "' --no-png --frames 3 --out '" + out.string() + "'",
+                               "trap '' XFSZ; ulimit -f 64");
+  CAPTURE(run.text);
+  CHECK(run.exit_code == 2);
+  CHECK(run.text.find("mesh/000001.ply: cannot write the file") != std::string::npos);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
+    CAPTURE(entry.path().string());
+    CHECK(entry.path().extension() != ".tmp");
+    CHECK(entry.path().filename() != "000001.ply");
+  }
+}

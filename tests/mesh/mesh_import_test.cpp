@@ -6,6 +6,7 @@
 #include "engine/core/random.h"
 #include "engine/mesh/build_model.h"
 #include "engine/mesh/repair.h"
+#include "tests/effort.h"
 #include "tests/mesh/sample_files.h"
 
 #include <doctest/doctest.h>
@@ -16,7 +17,6 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
 
 using namespace rend;
@@ -166,6 +166,7 @@ TEST_CASE("a loader that is missing, hangs or dies is told apart and leaves no p
   const Outcome closed = with("exec >&-; exec sleep 60");
   CHECK(closed.why.find("did not finish") != std::string::npos);
   CHECK(closed.seconds < 1.3);
+  CHECK(with("kill -KILL $$").why.find("killed from outside") != std::string::npos);
   CHECK(with("kill -SEGV $$").why.find("crashed on it (signal 11)") != std::string::npos);
   CHECK(with("echo nonsense that is long enough to be a header").why.find("nonsense") !=
         std::string::npos);
@@ -180,7 +181,7 @@ TEST_CASE("damaged files never harm the program and never take longer than the l
                                                        {"c.stl", as_stl(cube)},
                                                        {"c.ply", as_ply(cube)},
                                                        {"c.off", as_off(cube)}};
-  const Index count = std::getenv("REND_FULL") ? 1000 : 200;
+  const Index count = test::by_effort(100, 200, 1000);
   const Real wall = 0.5;
   std::atomic<int> refused = 0, slow = 0;
   parallel_chunks(2, 1, [&](Index begin, Index) {

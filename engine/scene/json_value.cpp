@@ -222,6 +222,15 @@ void append_block(const JsonValue& value, std::size_t indent, std::size_t used, 
 
 }  // namespace
 
+JsonValue::JsonValue() = default;
+JsonValue::JsonValue(const JsonValue& other) = default;
+JsonValue::JsonValue(JsonValue&& other) noexcept = default;
+JsonValue& JsonValue::operator=(const JsonValue& other) = default;
+JsonValue& JsonValue::operator=(JsonValue&& other) noexcept = default;
+JsonValue::~JsonValue() = default;
+
+JsonValue JsonValue::of(const char* value) { return of(std::string_view(value)); }
+
 JsonValue JsonValue::of(bool value) {
   JsonValue json;
   json.kind = Kind::boolean;

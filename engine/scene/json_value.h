@@ -21,10 +21,18 @@ struct JsonValue {
   std::vector<JsonValue> items;
   Members members;
 
+  // A value holds pairs of its own kind, so these can only be made where the type is complete.
+  JsonValue();
+  JsonValue(const JsonValue& other);
+  JsonValue(JsonValue&& other) noexcept;
+  JsonValue& operator=(const JsonValue& other);
+  JsonValue& operator=(JsonValue&& other) noexcept;
+  ~JsonValue();
+
   static JsonValue of(bool value);
   static JsonValue of(double value);
   static JsonValue of(std::string_view value);
-  static JsonValue of(const char* value) { return of(std::string_view(value)); }
+  static JsonValue of(const char* value);
   static JsonValue list();
   static JsonValue object();
 

@@ -25,7 +25,7 @@ function(rend_library name)
   endif()
 endfunction()
 
-# rend_test(folder LINK ...): one doctest program test_<folder> of tests/<folder>/*.cpp.
+# rend_test(folder LINK ...): one doctest program test_<folder> of tests/<folder>/*.cpp, with the caller's time_limit [s].
 function(rend_test folder)
   cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
@@ -36,4 +36,5 @@ function(rend_test folder)
   target_link_libraries(test_${folder} PRIVATE rend_flags doctest::doctest rend_doctest_main ${ARG_LINK})
   target_compile_definitions(test_${folder} PRIVATE REND_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   add_test(NAME ${folder} COMMAND test_${folder})
+  set_tests_properties(${folder} PROPERTIES TIMEOUT ${time_limit})
 endfunction()

@@ -80,6 +80,8 @@ std::vector<SolverVariantRow> bench_features(bool quick, std::FILE* progress) {
   add("von Mises, RPIC", scene);
   scene.solver.transfer = Transfer::pic;
   add("von Mises, PIC", scene);
+  scene.solver.transfer = Transfer::flip;
+  add("von Mises, FLIP", scene);
   const auto [mesh_scene, mesh_model] = mesh_problem(plain, cells);
   rows.push_back(
       measured("mesh forces, 2 vertices per cell", mesh_scene, mesh_model, steps, progress));

@@ -194,6 +194,7 @@ void ReferenceSolver::move_particle(Index p, const GridSample& sample, Real dt, 
                           : Mat3(particles_.F[i] + H * particles_.F[i]);
   respond(p, sums);
   sums.motion.gradient = std::max(sums.motion.gradient, sample.gradient.norm());
+  sums.motion.speed = std::max(sums.motion.speed, sample.pic.norm());
   watch(p, displacement, dt, sums);
 }
 

@@ -42,12 +42,14 @@ HWY_INLINE void add_row(int oz, const float* row, float* to) {
   }
 }
 
-/// v = p / m + dt g on every touched row; the sums run over particle blocks in the order of
-/// `sources`.
+/// v = p / m + dt g on every touched row, with FLIP (p + J) / m + dt g and J / m + dt g; the sums
+/// run over particle blocks in the order of `sources`.
+template <bool kFlip>
 HWY_NOINLINE void grid_block(GridTask& task) {
   const FlushDenormals flush;
-  alignas(64) float sum[kGridBlockFloats];
-  for (int i = 0; i < kGridBlockFloats; i += 16) store(Lanes(0.0f), sum + i);
+  constexpr int kFloats = kGridBlockFloats * parts_of_node(kFlip);
+  alignas(64) float sum[kFloats];
+  for (int i = 0; i < kFloats; i += 16) store(Lanes(0.0f), sum + i);
   std::uint32_t touched = 0;
   for (int s = 0; s < task.source_count; ++s) {
     const RowSource& source = task.sources[s];
@@ -58,7 +60,10 @@ HWY_NOINLINE void grid_block(GridTask& task) {
       const int rank = __builtin_popcountll(block.touched & ((m & (~m + 1)) - 1));
       const int place = 4 * place_in_neighbor(row >> 3) + place_in_neighbor(row & 7);
       touched |= 1u << place;
-      add_row(oz, block.rows + rank * kNodeRowFloats, sum + place * kLanes);
+      const float* from = block.rows + rank * kNodeRowFloats * parts_of_node(kFlip);
+      add_row(oz, from, sum + place * kLanes);
+      if constexpr (kFlip)
+        add_row(oz, from + kNodeRowFloats, sum + kGridBlockFloats + place * kLanes);
     }
   }
   const Lanes gain = repeat4(task.velocity_gain);
@@ -66,7 +71,15 @@ HWY_NOINLINE void grid_block(GridTask& task) {
   for (std::uint32_t m = touched; m; m &= m - 1) {
     const int place = __builtin_ctz(m);
     const Lanes node = load(sum + place * kLanes);
-    const Lanes velocity = node / max(last_of_four(node), Lanes(1e-20f)) + gain;
+    Lanes velocity;
+    if constexpr (kFlip) {
+      const Lanes mass = max(last_of_four(node), Lanes(1e-20f));
+      const Lanes change = load(sum + kGridBlockFloats + place * kLanes) / mass + gain;
+      store(change, task.nodes + kGridBlockFloats + place * kLanes);
+      velocity = node / mass + change;
+    } else {
+      velocity = node / max(last_of_four(node), Lanes(1e-20f)) + gain;
+    }
     fastest = max(fastest, replace_last_of_four(abs(velocity), Lanes(0.0f)));
     store(replace_last_of_four(velocity, node), task.nodes + place * kLanes);
   }

@@ -42,7 +42,7 @@ void TileGrid::lay_out_rows(std::span<const TileBlock> blocks) {
     first_row_[b] = total;
     total += static_cast<std::size_t>(std::popcount(allowed_[b]));
   }
-  rows_.reserve(total * kNodeRowFloats);
+  rows_.reserve(total * parts_ * kNodeRowFloats);
 }
 
 void TileGrid::rebuild(std::span<const TileBlock> blocks) {
@@ -76,7 +76,7 @@ void TileGrid::rebuild(std::span<const TileBlock> blocks) {
       else
         neighbor = count();
     }
-  const std::size_t floats = (coords_.size() + 1) * kGridBlockFloats;
+  const std::size_t floats = (coords_.size() + 1) * parts_ * kGridBlockFloats;
   nodes_.reserve(floats);
   std::fill(nodes_.data(), nodes_.data() + floats, 0.0f);
 }

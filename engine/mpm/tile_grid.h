@@ -15,6 +15,9 @@ namespace rend {
 /// grid block sums the rows of its up to 27 particle blocks in a fixed order.
 class TileGrid {
  public:
+  /// With FLIP nodes have a second part, see parts_of_node().
+  explicit TileGrid(bool flip) : parts_(parts_of_node(flip)) {}
+
   /// Blocks and row memory for the bins as they are; velocities become 0.
   void rebuild(std::span<const TileBlock> blocks);
 
@@ -24,13 +27,14 @@ class TileGrid {
 
   Index count() const { return static_cast<Index>(coords_.size()); }
   const Vec3i& coord(Index g) const { return coords_[static_cast<std::size_t>(g)]; }
-  float* nodes(Index g) { return nodes_.data() + std::size_t(g) * kGridBlockFloats; }
+  /// Velocities of block g, then with FLIP their changes.
+  float* nodes(Index g) { return nodes_.data() + std::size_t(g) * parts_ * kGridBlockFloats; }
   const float* all_nodes() const { return nodes_.data(); }
   const std::array<std::int32_t, 27>& neighbors(Index particle_block) const {
     return neighbors_[static_cast<std::size_t>(particle_block)];
   }
   /// Where particle block b writes its rows, and what it may touch.
-  float* rows(Index b) { return rows_.data() + first_row_[b] * kNodeRowFloats; }
+  float* rows(Index b) { return rows_.data() + first_row_[b] * parts_ * kNodeRowFloats; }
   std::uint64_t allowed(Index b) const { return allowed_[b]; }
   void set_touched(Index b, std::uint64_t touched) { rows_of_[b] = {rows(b), touched}; }
 
@@ -42,6 +46,7 @@ class TileGrid {
  private:
   void lay_out_rows(std::span<const TileBlock> blocks);
 
+  std::size_t parts_;
   BlockIndex index_;
   std::vector<Vec3i> coords_;
   AlignedFloats nodes_;  ///< one block more than count(): zeros, for neighbors that are not there

@@ -24,10 +24,14 @@ const TileKernels* kernels_of_target() {
       HWY_MAX_BYTES >= 64   ? "avx512"
       : HWY_MAX_BYTES == 32 ? "avx2"
                             : "sse4",
-      {particle_block<Pass::scatter>, particle_block<Pass::fused>, particle_block<Pass::gather>,
-       particle_block<Pass::mesh_scatter>, particle_block<Pass::mesh_gather>},
+      {{particle_block<Pass::scatter, false>, particle_block<Pass::fused, false>,
+        particle_block<Pass::gather, false>, particle_block<Pass::mesh_scatter, false>,
+        particle_block<Pass::mesh_gather, false>},
+       {particle_block<Pass::scatter, true>, particle_block<Pass::fused, true>,
+        particle_block<Pass::gather, true>, particle_block<Pass::mesh_scatter, true>,
+        particle_block<Pass::mesh_gather, true>}},
       {lone_run<Pass::scatter>, lone_run<Pass::fused>, lone_run<Pass::gather>},
-      grid_block,
+      {grid_block<false>, grid_block<true>},
       respond_tiles,
       measure_tiles,
       respond_elements,

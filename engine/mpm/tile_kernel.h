@@ -18,6 +18,10 @@ inline constexpr int kNodeTileFloats =
 inline constexpr int kGridBlockFloats = 64 * 4;    ///< 4^3 nodes, velocity and mass each
 inline constexpr int kMotionFloats = 12 * kLanes;  ///< v and C of sixteen particles
 
+/// FLIP keeps two numbers where other transfers keep one: the impulse of the step beside the
+/// momentum of a node, the change beside its velocity.
+constexpr int parts_of_node(bool flip) { return flip ? 2 : 1; }
+
 /// Where the attributes of sixteen particles lie in a tile, in groups of sixteen floats. The first
 /// ten are always there; the rest only when the scene needs them, and -1 otherwise.
 struct TileLayout {
@@ -27,7 +31,7 @@ struct TileLayout {
       9;              ///< rest volume, negative once the particle has yielded, 0 in pad lanes
   int tau_c = -1;     ///< state of the material law, see material_response
   int tau_c0 = -1;    ///< initial threshold, when it varies in space and damage needs it
-  int velocity = -1;  ///< three groups, FLIP only
+  int velocity = -1;  ///< of the particle, three groups; FLIP only
   int groups = 10;
 
   int floats() const { return groups * kLanes; }
@@ -49,7 +53,7 @@ struct StepConstants {
   float stress_factor = 0;  ///< -4 dt' / (reference density dx^2), dt' of the next scatter
   float affine_keep = 1;    ///< particles carry keep C + swap C^T; stored C is that already
   float affine_swap = 0;
-  float flip_ratio = 0;
+  float flip_ratio = 0;  ///< read by the FLIP kernels alone
 };
 
 /// A run of particles of one material in one block; 16 to a tile, the last tile padded.
@@ -75,11 +79,13 @@ struct BlockTask {
   const ParticleRun* runs = nullptr;
   RunExtremes* extremes = nullptr;  ///< one per run
   std::int32_t run_count = 0;
-  const float* grid = nullptr;  ///< velocities, kGridBlockFloats per grid block
+  const float* grid = nullptr;  ///< as GridTask leaves it, one grid block after the other
   const std::int32_t* neighbors =
-      nullptr;                    ///< 27 grid blocks, index 9 x + 3 y + z of offsets -1, 0, 1
-  float low[3], high[3];          ///< bounds of the particles at the last re-bin
-  float* rows = nullptr;          ///< out: touched node rows, one after the other
+      nullptr;            ///< 27 grid blocks, index 9 x + 3 y + z of offsets -1, 0, 1
+  float low[3], high[3];  ///< bounds of the particles at the last re-bin
+  /// out: touched node rows, one after the other; with FLIP each is followed by the row of the
+  /// impulses of the next step, which the momenta then leave out
+  float* rows = nullptr;
   std::uint64_t touched = 0;      ///< out: bit 8 x + y of every touched row
   std::uint64_t allowed = ~0ull;  ///< rows that `rows` has room for
   float excess = 0;               ///< out: farthest that a particle is beyond low or high
@@ -103,9 +109,10 @@ struct GridTask {
   std::int32_t source_count = 0;
   const RowsOfBlock* blocks = nullptr;
   float velocity_gain[4] = {0, 0, 0, 0};  ///< dt g [cells/s]
-  float* nodes = nullptr;                 ///< out: kGridBlockFloats
-  std::uint32_t touched = 0;              ///< out: bit 4 x + y of every row with mass
-  float max_speed = 0;                    ///< out: largest velocity component [cells/s]
+  /// out: kGridBlockFloats; with FLIP as many more, the change of the velocities in this step
+  float* nodes = nullptr;
+  std::uint32_t touched = 0;  ///< out: bit 4 x + y of every row with mass
+  float max_speed = 0;        ///< out: largest velocity component [cells/s]
 };
 
 /// The passes over particles: scatter stored motion; gather, respond and scatter; gather, respond
@@ -142,10 +149,11 @@ struct ElementTask {
 /// The kernels of one instruction set.
 struct TileKernels {
   const char* name;  ///< "avx512", "avx2" or "sse4"
-  void (*particles[5])(const StepConstants&, BlockTask&);
+  /// By whether the transfer is FLIP, and by pass.
+  void (*particles[2][5])(const StepConstants&, BlockTask&);
   /// The same passes for particles that share no node with others; gain is dt g [cells/s].
   void (*lone[3])(const StepConstants&, const ParticleRun&, const float* gain, RunExtremes&);
-  void (*grid)(GridTask&);
+  void (*grid[2])(GridTask&);  ///< by whether the transfer is FLIP
   /// Return mapping of tiles where they are, as a step of length 0 would do it.
   void (*respond)(const TileLayout&, const MaterialConstants&, float* tiles, int tile_count,
                   RunExtremes& extremes);

@@ -134,6 +134,8 @@ void LoneTiles::unpack(TileStore& store, float* motion) const {
       const std::int32_t home = home_tile(store, slot);
       float* to = store.tile(home);
       for (int g = 0; g < store.layout().groups; ++g) to[g * kLanes] = from[g * kLanes];
+      for (int a = 0; a < 3 && store.layout().velocity >= 0; ++a)
+        to[(store.layout().velocity + a) * kLanes] = moves[a * kLanes];
       for (int g = 0; g < 12; ++g)
         motion[std::size_t(home) * kMotionFloats + g * kLanes] = moves[g * kLanes];
     }

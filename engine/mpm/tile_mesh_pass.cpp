@@ -92,8 +92,13 @@ void TileSolver::kick_vertices(Real dt) {
     const Real volume = std::abs(lane[TileLayout::kVolume * kLanes]);
     const Real gain = dt / (materials_[run.material].desc.density * volume * dx_ * dx_);
     const Vec3 force = mesh_.force(id);
-    for (int a = 0; a < 3; ++a)
-      moves[a * kLanes] = static_cast<float>(moves[a * kLanes] + gain * force[a]);
+    for (int a = 0; a < 3; ++a) {
+      float& v = moves[a * kLanes];
+      if (is_flip())
+        moves[(3 + a) * kLanes] = static_cast<float>(gain * force[a]);
+      else
+        v = static_cast<float>(v + gain * force[a]);
+    }
   });
 }
 

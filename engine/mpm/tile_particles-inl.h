@@ -7,6 +7,7 @@
 #define REND_MPM_TILE_PARTICLES_INL_H_
 #endif
 
+#include "engine/mpm/tile_flip-inl.h"
 #include "engine/mpm/tile_grid-inl.h"
 #include "engine/mpm/tile_material-inl.h"
 
@@ -17,16 +18,19 @@ HWY_BEFORE_NAMESPACE();
 namespace rend {
 namespace HWY_NAMESPACE {
 
-/// Copies the rows of the 8^3 node tile that particles of this block read.
-HWY_INLINE void load_velocities(const BlockTask& task, std::uint64_t rows, float* velocity) {
+/// Copies the rows of the 8^3 node tile that particles of this block read: velocities, or the part
+/// of the grid blocks that begins at `grid` and has `kFloats` a block.
+template <int kFloats>
+HWY_INLINE void load_nodes(const BlockTask& task, const float* grid, std::uint64_t rows,
+                           float* nodes) {
   for (; rows; rows &= rows - 1) {
     const int row = __builtin_ctzll(rows), x = row >> 3, y = row & 7;
     const std::int32_t* z = task.neighbors + 9 * (neighbor_of(x) + 1) + 3 * (neighbor_of(y) + 1);
     const int n = (4 * place_in_neighbor(x) + place_in_neighbor(y)) * kLanes;
-    float* to = velocity + row * kNodeRowFloats;
-    copy8(task.grid + std::size_t(z[0]) * kGridBlockFloats + n + 8, to);
-    store_unaligned(load(task.grid + std::size_t(z[1]) * kGridBlockFloats + n), to + 8);
-    copy8(task.grid + std::size_t(z[2]) * kGridBlockFloats + n, to + 24);
+    float* to = nodes + row * kNodeRowFloats;
+    copy8(grid + std::size_t(z[0]) * kFloats + n + 8, to);
+    store_unaligned(load(grid + std::size_t(z[1]) * kFloats + n), to + 8);
+    copy8(grid + std::size_t(z[2]) * kFloats + n, to + 24);
   }
 }
 
@@ -135,6 +139,10 @@ struct LaneExtremes {
     gradient2 = max(gradient2, C2);
     finite = finite & (v2 + C2 < Lanes(1e30f));
   }
+  /// Of a motion at another velocity than the one that particles carry.
+  HWY_INLINE void add_speed(const Lanes* v) {
+    speed2 = max(speed2, mul_add(v[0], v[0], mul_add(v[1], v[1], v[2] * v[2])));
+  }
   HWY_INLINE void reduce(RunExtremes& run) const {
     run.speed2 = max_of_lanes(speed2);
     run.gradient2 = max_of_lanes(gradient2);
@@ -169,9 +177,10 @@ HWY_INLINE void move_vertices(Lanes dt, const Lanes* v, float* tile) {
 }
 
 /// After the gather: moves the particles, pushes the strain forward, keeps v and C in work.
-template <Pass kPass>
+template <Pass kPass, bool kFlip>
 HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, bool on_mesh,
-                          float* tile, float* motion, int t, Work& work, LaneExtremes& extremes) {
+                          float* tile, float* motion, int t, WorkOf<kFlip>& work,
+                          LaneExtremes& extremes) {
   Lanes v[4], G[3][4], x[3], offset[3], C[9];
   transpose_gathered(work.gathered[t], v, G);
   for (int a = 0; a < 3; ++a) offset[a] = load(work.offset[t][a]);
@@ -190,11 +199,16 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, bool
     extremes.excess =
         max(extremes.excess, max(x[a] - Lanes(task.high[a]), Lanes(task.low[a]) - x[a]));
   }
+  if constexpr (kFlip) {
+    extremes.add_speed(v);
+    blend_flip(step.flip_ratio, work.changes[t], tile + step.layout.velocity * kLanes, v);
+  }
   extremes.add(v, C);
   if (!(meets_mesh(kPass) && on_mesh)) push_strain(dt, C, tile);
   if constexpr (kPass == Pass::fused) {
     for (int a = 0; a < 3; ++a) store(v[a], work.v[t][a]);
-    for (int i = 0; i < 9; ++i) store(C[i], work.C[t][i]);
+    if constexpr (!kFlip)
+      for (int i = 0; i < 9; ++i) store(C[i], work.C[t][i]);
     stencil_weights<Transfers::scatter>(x, offset, work.weights[t]);
     for (int a = 0; a < 3; ++a) store(offset[a], work.offset[t][a]);
   } else {
@@ -225,10 +239,10 @@ HWY_INLINE void pack_tile(const StepConstants& step, float density, const float*
   pack_momentum(mass, v, A, offset, work.momentum[t]);
 }
 
-/// Moves the touched rows together into the block's own memory.
-HWY_INLINE void store_rows(const float* nodes, BlockTask& task) {
-  float* to = task.rows;
-  for (std::uint64_t m = task.touched; m; m &= m - 1, to += kNodeRowFloats) {
+/// Moves the touched rows together into the block's own memory, `kStride` floats apart.
+template <int kStride>
+HWY_INLINE void store_rows(const float* nodes, std::uint64_t touched, float* to) {
+  for (std::uint64_t m = touched; m; m &= m - 1, to += kStride) {
     const float* from = nodes + __builtin_ctzll(m) * kNodeRowFloats;
     store(load(from), to);
     store(load(from + 16), to + 16);
@@ -254,13 +268,19 @@ HWY_INLINE void no_stress(int tiles, Work& work) {
     for (int i = 0; i < 6; ++i) store(Lanes(0.0f), work.stress[t][i]);
 }
 
-template <Pass kPass>
+template <Pass kPass, bool kFlip>
 HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
   const FlushDenormals flush;
-  static thread_local Work work;
+  static thread_local WorkOf<kFlip> work;
   const int tile_floats = step.layout.floats();
-  if constexpr (gathers(kPass))
-    load_velocities(task, rows_to_read(task, step.layout.groups), work.velocity);
+  constexpr int kGridFloats = kGridBlockFloats * parts_of_node(kFlip);
+  constexpr int kRowFloats = kNodeRowFloats * parts_of_node(kFlip);
+  if constexpr (gathers(kPass)) {
+    const std::uint64_t rows = rows_to_read(task, step.layout.groups);
+    load_nodes<kGridFloats>(task, task.grid, rows, work.velocity);
+    if constexpr (kFlip)
+      load_nodes<kGridFloats>(task, task.grid + kGridBlockFloats, rows, work.change);
+  }
   task.touched = 0;
   task.excess = kNoExcess;
   for (int r = 0; r < task.run_count; ++r) {
@@ -277,7 +297,12 @@ HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
       constexpr Transfers kFirst = gathers(kPass) ? Transfers::gather : Transfers::scatter;
       for (int t = 0; t < tiles; ++t) weigh_tile<kFirst>(begin + t * tile_floats, t, work);
       if constexpr (!gathers(kPass)) {
-        for (int t = 0; t < tiles; ++t) load_motion(motion + t * kMotionFloats, t, work);
+        for (int t = 0; t < tiles; ++t) {
+          load_motion(motion + t * kMotionFloats, t, work);
+          if constexpr (kFlip)
+            keep_velocity(work.v[t], count - t * kLanes,
+                          begin + t * tile_floats + step.layout.velocity * kLanes);
+        }
         if (meets_mesh(kPass) && material.on_mesh)
           no_stress(tiles, work);
         else
@@ -286,24 +311,38 @@ HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
         for (int t = 0; t < tiles; ++t) {
           const int lanes = count - t * kLanes < kLanes ? count - t * kLanes : kLanes;
           gather_tile(work.velocity, work.weights[t], lanes, work.gathered[t]);
+          if constexpr (kFlip) gather_changes(work.change, work.weights[t], lanes, work.changes[t]);
         }
         for (int t = 0; t < tiles; ++t)
-          move_tile<kPass>(step, task, material.on_mesh, begin + t * tile_floats,
-                           motion + t * kMotionFloats, t, work, extremes);
+          move_tile<kPass, kFlip>(step, task, material.on_mesh, begin + t * tile_floats,
+                                  motion + t * kMotionFloats, t, work, extremes);
         if (!(meets_mesh(kPass) && material.on_mesh))
           respond_function(material.response)(material, step.layout, begin, tiles, work, out);
       }
       if constexpr (scatters(kPass)) {
-        for (int t = 0; t < tiles; ++t)
-          pack_tile(step, material.density, begin + t * tile_floats, t, work);
-        scatter_batch(work.weights, work.momentum, count, work.nodes, task.touched);
+        for (int t = 0; t < tiles; ++t) {
+          const float* tile = begin + t * tile_floats;
+          if constexpr (kFlip)
+            pack_flip(step, material.density, tile, kPass != Pass::fused, t, work);
+          else
+            pack_tile(step, material.density, tile, t, work);
+        }
+        if constexpr (kFlip) {
+          std::uint64_t touched = task.touched;
+          scatter_batch(work.weights, work.impulse_of, count, work.impulse, touched);
+        }
+        scatter_batch<!kFlip>(work.weights, work.momentum, count, work.nodes, task.touched);
       }
     }
     if constexpr (gathers(kPass)) extremes.reduce(task, out);
   }
   task.touched &=
       task.allowed;  // all of it, unless a particle ran past the guard, which the excess tells
-  if constexpr (scatters(kPass)) store_rows(work.nodes, task);
+  if constexpr (scatters(kPass)) {
+    store_rows<kRowFloats>(work.nodes, task.touched, task.rows);
+    if constexpr (kFlip)
+      store_rows<kRowFloats>(work.impulse, task.touched, task.rows + kNodeRowFloats);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -167,6 +167,7 @@ void TileSolver::measure_energy(FrameReport& report) const {
   ReportSums none;
   none.volume.resize(materials_.size());
   const TileMesh::Measure elements = mesh_.measure(*kernels_);
+  const bool affine = keeps_affine_velocity(scene_.solver);
   const ReportSums sums =
       ordered_sum(static_cast<Index>(store_.blocks().size()), 4, none, [&](Index b) {
         const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
@@ -184,7 +185,7 @@ void TileSolver::measure_energy(FrameReport& report) const {
             sum.volume[run.material] += std::llround(p.volume() / kVolumeUnit);
             one.momentum = m * v;
             one.angular = m * x.cross(v);
-            if (scene_.solver.transfer != Transfer::pic) {
+            if (affine) {
               // sum_i w r x (C r), sum_i w r r^T = dx^2/4.
               const Real inertia = m * 0.25 * dx_ * dx_;
               one.angular += inertia * Vec3(p.C(7) - p.C(5), p.C(2) - p.C(6), p.C(3) - p.C(1));
@@ -330,7 +331,7 @@ void TileSolver::measure_motion() {
       return *this;
     }
   };
-  const bool affine = scene_.solver.transfer != Transfer::pic;
+  const bool affine = keeps_affine_velocity(scene_.solver);
   const Sums sums =
       ordered_sum(static_cast<Index>(store_.blocks().size()), 4, Sums(), [&](Index b) {
         const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
@@ -370,6 +371,7 @@ std::string TileSolver::describe() const {
   std::string features = "strain";
   if (store_.layout().tau_c >= 0) features += ", threshold";
   if (store_.layout().tau_c0 >= 0) features += ", initial threshold";
+  if (store_.layout().velocity >= 0) features += ", velocity";
   if (!mesh_.empty()) features += fmt::format(", {} elements", mesh_.element_count());
   return fmt::format("tile solver, float, {}, {}, quadratic kernel, mls force; particles carry {}",
                      kernels_->name, transfers[static_cast<int>(scene_.solver.transfer)], features);

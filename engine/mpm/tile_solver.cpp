@@ -33,7 +33,6 @@ std::string TileSolver::obstacle(const SceneDesc& scene) {
   if (solver.precision != Precision::float32) return "the scene asks for double precision";
   if (solver.transfer == Transfer::polypic) return "PolyPIC is in the reference solver only";
   if (solver.transfer == Transfer::xpic) return "XPIC is in the reference solver only";
-  if (solver.transfer == Transfer::flip) return "FLIP is in the reference solver only";
   if (solver.kernel != Kernel::quadratic) return "the cubic kernel is in the reference solver only";
   if (solver.force_form != ForceForm::mls)
     return "the gradient force is in the reference solver only";
@@ -56,6 +55,7 @@ TileSolver::TileSolver(const SceneDesc& scene, const Model& model, const TileKer
       kernels_(kernels ? kernels : tile_kernels()),
       strength_(model.strength),
       scene_hash_(hash_scene(scene, model)),
+      grid_(scene.solver.transfer == Transfer::flip),
       mesh_(scene, model, laws_of(scene.materials)),
       gravity_(scene.gravity) {
   for (const MaterialDesc& material : scene.materials)
@@ -97,6 +97,10 @@ TileLayout TileSolver::needed_layout(TileLayout layout,
   if (layout.tau_c0 < 0 && !strength_.empty() &&
       any_material([](const MaterialDesc& m) { return m.damage.type != DamageType::off; }))
     layout.tau_c0 = layout.groups++;
+  if (layout.velocity < 0 && is_flip()) {
+    layout.velocity = layout.groups;
+    layout.groups += 3;
+  }
   return layout;
 }
 
@@ -126,6 +130,8 @@ void TileSolver::place(const Model& model) {
     const float threshold = static_cast<float>(tau_c0(model.material[i], id));
     if (layout.tau_c >= 0) lane[layout.tau_c * kLanes] = threshold;
     if (layout.tau_c0 >= 0) lane[layout.tau_c0 * kLanes] = threshold;
+    for (int a = 0; a < 3 && layout.velocity >= 0; ++a)
+      lane[(layout.velocity + a) * kLanes] = static_cast<float>(model.velocity[i][a] / dx_);
     if (mesh_.carries(id)) set_low_position(model.X[i] / dx_, lane);
   });
 
@@ -138,7 +144,7 @@ void TileSolver::place(const Model& model) {
     for (int a = 0; a < 3; ++a) lane[a * kLanes] = static_cast<float>(model.velocity[i][a] / dx_);
     if (model.body[i] >= model.velocity_gradient.size()) continue;
     const Mat3& L = model.velocity_gradient[model.body[i]];
-    if (scene_.solver.transfer == Transfer::apic || scene_.solver.transfer == Transfer::rpic)
+    if (keeps_affine_velocity(scene_.solver))
       for (int a = 0; a < 9; ++a) lane[(3 + a) * kLanes] = static_cast<float>(L(a / 3, a % 3));
   }
   update_topology();

@@ -100,9 +100,11 @@ class TileSolver : public Solver {
   StepSums mesh_pass(Pass pass, const StepConstants& step, Real next);
   void place_vertices();
   StepSums mesh_response();
-  /// Vertices take the impulse of their elements in a step `dt` as velocity.
+  /// Vertices take the impulse of their elements in a step `dt` as velocity; with FLIP it waits
+  /// where others carry C.
   void kick_vertices(Real dt);
   void add_mesh_materials();
+  bool is_flip() const { return scene_.solver.transfer == Transfer::flip; }
   bool on_mesh(const TileRun& run) const { return materials_[run.material].constants.on_mesh; }
   bool meets_mesh(const TileBlock& block) const;
   std::vector<TileMesh::Law> laws_of(const std::vector<MaterialDesc>& materials) const;

@@ -29,6 +29,10 @@ StepConstants TileSolver::step_constants(Pass pass, Real dt, Real next_dt) const
     case Transfer::pic:
       step.affine_keep = 0;
       break;
+    case Transfer::flip:
+      step.affine_keep = 0;
+      step.flip_ratio = static_cast<float>(scene_.solver.flip_ratio);
+      break;
     case Transfer::rpic:
       step.affine_keep = static_cast<float>(0.5 * (r + 1));
       step.affine_swap = static_cast<float>(0.5 * (r - 1));
@@ -41,7 +45,7 @@ StepConstants TileSolver::step_constants(Pass pass, Real dt, Real next_dt) const
 
 TileSolver::StepSums TileSolver::particle_pass(Pass pass, const StepConstants& step, Blocks which) {
   const Stopwatch watch(times_.particles);
-  const auto kernel = kernels_->particles[static_cast<int>(pass)];
+  const auto kernel = kernels_->particles[is_flip()][static_cast<int>(pass)];
   run_extremes_.resize(store_.runs().size());
   return ordered_sum(store_.regular_count(), 1, StepSums(), [&](Index b) {
     const TileBlock& block = store_.blocks()[static_cast<std::size_t>(b)];
@@ -89,7 +93,7 @@ TileSolver::StepSums TileSolver::sums_of(std::uint16_t material,
   StepSums sums;
   sums.motion.stiffness = materials_[material].stiffness(extremes);
   sums.motion.gradient = std::sqrt(static_cast<Real>(extremes.gradient2));
-  const bool affine = scene_.solver.transfer != Transfer::pic;
+  const bool affine = keeps_affine_velocity(scene_.solver);
   sums.motion.speed = dx_ * (std::sqrt(static_cast<Real>(extremes.speed2)) +
                              (affine ? std::sqrt(3.0) * sums.motion.gradient : 0));
   sums.dissipation = extremes.dissipation;
@@ -143,7 +147,7 @@ Real TileSolver::grid_pass(Real dt) {
   Fastest fastest = ordered_sum(grid_.count(), 8, Fastest(), [&](Index g) {
     GridTask task = grid_.task(g);
     for (int a = 0; a < 3; ++a) task.velocity_gain[a] = static_cast<float>(gain[a]);
-    kernels_->grid(task);
+    kernels_->grid[is_flip()](task);
     touched[static_cast<std::size_t>(g)] = task.touched;
     return Fastest{task.max_speed};
   });
@@ -191,6 +195,7 @@ Real TileSolver::grid_pass(Real dt) {
       const Vec3 v = dx_ * Vec3(node[0], node[1], node[2]);
       const Vec3 after = loads.apply(near, x, m, dt, v, out.work);
       for (int a = 0; a < 3; ++a) {
+        if (is_flip()) node[kGridBlockFloats + a] += static_cast<float>((after[a] - v[a]) / dx_);
         node[a] = static_cast<float>(after[a] / dx_);
         out.fastest += {std::abs(node[a])};
       }

@@ -273,9 +273,11 @@ void TileStore::clear_lone() {
 }
 
 bool TileStore::State::fits(Index count, std::size_t materials) const {
-  const auto is_group = [&](int at) { return at == -1 || (at >= 10 && at < layout.groups); };
-  if (layout.groups < 10 || layout.groups >= 32 || !is_group(layout.tau_c) ||
-      !is_group(layout.tau_c0) || !is_group(layout.velocity))
+  const auto is_group = [&](int at, int groups) {
+    return at == -1 || (at >= 10 && at <= layout.groups - groups);
+  };
+  if (layout.groups < 10 || layout.groups >= 32 || !is_group(layout.tau_c, 1) ||
+      !is_group(layout.tau_c0, 1) || !is_group(layout.velocity, 3))
     return false;
   std::int64_t particles = 0, tile_total = 0;
   std::vector<std::int64_t> first_tile;

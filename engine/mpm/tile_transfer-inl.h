@@ -194,7 +194,8 @@ struct StencilSums {
 };
 
 /// Scatters part `part` of w (p + A (x_i - centre)) and w m of a batch of tiles holding `count`
-/// particles.
+/// particles; without `kAffine` w p and w m.
+template <bool kAffine>
 HWY_INLINE void scatter_part(const Weights* weights, const Momentum* momentum, int count, int part,
                              float* nodes, std::uint64_t& touched) {
   const PartVec z_index = wide_load<kPart>(kGroupIndex + part * kPart) - wide_set<kPart>(1.0f);
@@ -212,29 +213,36 @@ HWY_INLINE void scatter_part(const Weights* weights, const Momentum* momentum, i
         sums.clear();
       }
       const PartVec wz = spread_part(w.wz[l & 3][l >> 2], part);
-      const PartVec X = wide_repeat4<kPart>(m.of(1, l)) * wz;
-      const PartVec Y = wide_repeat4<kPart>(m.of(2, l)) * wz;
-      const PartVec centre =
-          wide_mul_add(wide_repeat4<kPart>(m.of(3, l)), z_index, wide_repeat4<kPart>(m.of(0, l))) *
-          wz;
-      for (int i = 0; i < 3; ++i) {
-        const PartVec plane = i == 0 ? centre - X : i == 1 ? centre : centre + X;
-        const auto add = [&](int j, PartVec node) HWY_ATTR {
-          sums.row[i][j] = wide_mul_add(wide_set<kPart>(w.wxy[3 * i + j][l]), node, sums.row[i][j]);
-        };
-        add(0, plane - Y);
-        add(1, plane);
-        add(2, plane + Y);
+      const auto add = [&](int i, int j, PartVec node) HWY_ATTR {
+        sums.row[i][j] = wide_mul_add(wide_set<kPart>(w.wxy[3 * i + j][l]), node, sums.row[i][j]);
+      };
+      if constexpr (kAffine) {
+        const PartVec X = wide_repeat4<kPart>(m.of(1, l)) * wz;
+        const PartVec Y = wide_repeat4<kPart>(m.of(2, l)) * wz;
+        const PartVec centre = wide_mul_add(wide_repeat4<kPart>(m.of(3, l)), z_index,
+                                            wide_repeat4<kPart>(m.of(0, l))) *
+                               wz;
+        for (int i = 0; i < 3; ++i) {
+          const PartVec plane = i == 0 ? centre - X : i == 1 ? centre : centre + X;
+          add(i, 0, plane - Y);
+          add(i, 1, plane);
+          add(i, 2, plane + Y);
+        }
+      } else {
+        const PartVec node = wide_repeat4<kPart>(m.of(0, l)) * wz;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) add(i, j, node);
       }
     }
   }
   sums.flush(nodes, part, base, touched);
 }
 
+template <bool kAffine = true>
 HWY_INLINE void scatter_batch(const Weights* weights, const Momentum* momentum, int count,
                               float* nodes, std::uint64_t& touched) {
   for (int part = 0; part < kParts; ++part)
-    scatter_part(weights, momentum, count, part, nodes, touched);
+    scatter_part<kAffine>(weights, momentum, count, part, nodes, touched);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -6,14 +6,10 @@
 
 namespace rend {
 
-namespace {
-
 bool keeps_affine_velocity(const SolverDesc& solver) {
   return solver.transfer == Transfer::apic || solver.transfer == Transfer::rpic ||
          (solver.transfer == Transfer::polypic && solver.polypic_modes >= 4);
 }
-
-}  // namespace
 
 MotionExtremes& MotionExtremes::operator+=(const MotionExtremes& other) {
   stiffness = std::max(stiffness, other.stiffness);

@@ -9,13 +9,16 @@ namespace rend {
 /// What the step must respect, as of now: extremes over all particles and colliders.
 struct MotionExtremes {
   Real stiffness = 0;       ///< max over particles of wave_stiffness() / rest density [m2/s2]
-  Real speed = 0;           ///< max of |v_p| + sqrt(3) dx |C_p| [m/s]
+  Real speed = 0;           ///< max of |v_p| + sqrt(3) dx |C_p| and of the speed of motion [m/s]
   Real gradient = 0;        ///< max of the Frobenius norm of grad v [1/s]
   Real element_rate = 0;    ///< see MeshForce::Sums::rate [1/s]
   Real collider_speed = 0;  ///< fastest point of a collider that can be met [m/s]
 
   MotionExtremes& operator+=(const MotionExtremes& other);  ///< the larger of each
 };
+
+/// Whether particles carry the gradient of their velocity along.
+bool keeps_affine_velocity(const SolverDesc& solver);
 
 /// Stiffness that bounds the step of a lone particle and of a prestressed bulk [Pa]:
 /// max(3K, lambda + 2 mu + max(0, -tau_min)) with 3K = 3 lambda + 2 mu.

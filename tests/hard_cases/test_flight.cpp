@@ -109,7 +109,6 @@ TEST_CASE("H7 long flight keeps momentum, and energy only falls") {
   const Index steps = test::by_effort(200, 2000, 100000);
   for (const Row& row : {Row{Transfer::apic, "apic"}, Row{Transfer::flip, "flip 1"}})
     for (const SolverKind& kind : main_solvers()) {
-      if (row.transfer == Transfer::flip && !kind.reference()) continue;
       CAPTURE(kind.name);
       CAPTURE(row.name);
       SceneDesc scene = plain_scene();

@@ -60,6 +60,14 @@ TEST_CASE("V6 a disc that turns: what each scheme keeps of energy and spin") {
     CHECK(disc.kinetic > 0.999);
     CHECK(std::abs(disc.spin) < 2e-6);
   }
+  // FLIP in float against double, with the force that both know.
+  SolverDesc pure = method(Transfer::flip);
+  const RoundResult exact = turn_disc(pure, part);
+  pure.precision = Precision::float32;
+  const RoundResult rounded = turn_disc(pure, part);
+  CHECK(rounded.kinetic > 0.99);
+  CHECK(rounded.kinetic == doctest::Approx(exact.kinetic).epsilon(1e-4));
+  CHECK(rounded.spin == doctest::Approx(exact.spin).epsilon(0.02));
   // The loss of PIC is per step.
   CHECK(turn_disc(method(Transfer::pic), part).kinetic < 0.1);
   const Real flip_99 = turn_disc(flip(.99, Kernel::quadratic), part).kinetic;
@@ -96,8 +104,9 @@ TEST_CASE("V6 one revolution" * doctest::skip(!full_study())) {
   for (Kernel kernel : {quadratic, cubic})
     for (Transfer transfer : {Transfer::polypic, Transfer::xpic})
       turn_disc(method(transfer, kernel, ForceForm::gradient), 1);
-  for (Transfer transfer : {Transfer::pic, Transfer::rpic, Transfer::apic})
+  for (Transfer transfer : {Transfer::pic, Transfer::flip, Transfer::rpic, Transfer::apic})
     turn_disc(method(transfer, quadratic, ForceForm::mls, Precision::float32), 1);
+  turn_disc(method(Transfer::flip), 1);
 }
 
 TEST_CASE(
@@ -109,6 +118,7 @@ TEST_CASE(
   std::vector<Row> rows = {
       {flip(1, Kernel::quadratic), .893},
       {method(Transfer::apic, Kernel::quadratic, ForceForm::gradient), .777},
+      {method(Transfer::flip, Kernel::quadratic, ForceForm::mls, Precision::float32), .893},
       {method(Transfer::apic, Kernel::quadratic, ForceForm::mls, Precision::float32), .777}};
   if (full_study())
     for (const Row& r : {Row{method(Transfer::pic, Kernel::quadratic, ForceForm::gradient), .608},

@@ -37,6 +37,7 @@ struct Spectrum {
   Lanes B2[6];                ///< B B
   Lanes b1, b2, b3;           ///< eigenvalues of B, b1 >= b2 >= b3
   Lanes inv12, inv23, inv13;  ///< 1 / (b1 - b2), 1 / (b2 - b3), 1 / (b1 - b3)
+  Lanes size;                 ///< middle eigenvalue of b^e
   Triple<Lanes> eps;          ///< Hencky strain, in the order of b
   LaneMask clamped;           ///< an eigenvalue was raised to kSmallestStrain
 
@@ -71,7 +72,7 @@ struct Spectrum {
     clamped = mean + b3 < smallest;
     const Lanes middle = max(mean + b2, smallest);
     // One division gives the four reciprocals.
-    const Lanes size = one + middle;
+    size = one + middle;
     const Lanes product = up * down * both;
     const Lanes quotient = one / (product * size);
     const Lanes scale = quotient * product;
@@ -101,8 +102,22 @@ struct Spectrum {
     rebuild(middle, mu2 * (kept[0] - kept[1]) * inv12, mu2 * (kept[1] - kept[2]) * inv23, out);
   }
 
-  /// b - I of the strain `kept`: exp(2 eps) - 1, with differences taken before the exponential.
-  HWY_INLINE void strain(const Triple<Lanes>& kept, Lanes* out) const {
+  /// e + (exp(2 d) - 1) b with d = kept - eps: b - I of the strain `kept`. As a change, so that
+  /// what flow leaves alone keeps its digits, step by step; differences are taken before the
+  /// exponential.
+  HWY_INLINE void strain(const Triple<Lanes>& kept, const Lanes* e, Lanes* out) const {
+    const Lanes d = kept[1] - eps[1];
+    const Lanes up = kept[0] - eps[0] - d, down = kept[2] - eps[2] - d;
+    const Lanes middle = expm1(d + d), scale = Lanes(1.0f) + middle;
+    const Lanes rise = scale * expm1(up + up), fall = scale * expm1(down + down);
+    Lanes change[6];
+    rebuild(size * middle, mul_add(size * rise, inv12, middle + rise),
+            neg_mul_add(size * fall, inv23, middle + fall), change);
+    for (int i = 0; i < 6; ++i) out[i] = e[i] + change[i];
+  }
+
+  /// The same where eps is not the strain of e, because it was clamped: exp(2 kept) - 1.
+  HWY_INLINE void clamped_strain(const Triple<Lanes>& kept, Lanes* out) const {
     const Lanes up = kept[0] - kept[1], down = kept[2] - kept[1];
     const Lanes middle = expm1(kept[1] + kept[1]);
     const Lanes scale = Lanes(1.0f) + middle;
@@ -139,7 +154,13 @@ HWY_NOINLINE void respond_batch(const MaterialConstants& material, const TileLay
     const LaneMask changed = response.yielded | spectrum.clamped;
     if (any(changed)) {
       Lanes admissible[6];
-      spectrum.strain(response.eps, admissible);
+      spectrum.strain(response.eps, e, admissible);
+      if (any(spectrum.clamped)) {
+        Lanes raised[6];
+        spectrum.clamped_strain(response.eps, raised);
+        for (int i = 0; i < 6; ++i)
+          admissible[i] = select(spectrum.clamped, raised[i], admissible[i]);
+      }
       for (int i = 0; i < 6; ++i)
         store(select(changed, admissible[i], e[i]), tile + (TileLayout::kStrain + i) * kLanes);
       const LaneMask real = abs(load(tile + TileLayout::kVolume * kLanes)) > Lanes(0.0f);

@@ -22,6 +22,7 @@ struct alignas(64) ElementShape {
   double F[9][16];       ///< D B
   float inverse[9][16];  ///< D^-1, row k is the gradient of corner k + 1
   float trial[6][16];    ///< b^e - I
+  float low[6][16];      ///< and the digits that float has no room for
   float open[16];        ///< 1 when det F > 0
   float regular[16];     ///< 1 when all stretches are surely above kSmallestStretch
 };
@@ -93,7 +94,10 @@ HWY_INLINE void shape_tile(const double* x, const std::int32_t* corners, const f
       }
     for (int i = 0; i < 6; ++i) G[i] = plastic[i * kLanes + l];
     push_lane(H, G, e);
-    for (int i = 0; i < 6; ++i) out.trial[i][l] = static_cast<float>(e[i]);
+    for (int i = 0; i < 6; ++i) {
+      out.trial[i][l] = static_cast<float>(e[i]);
+      out.low[i][l] = static_cast<float>(e[i] - out.trial[i][l]);
+    }
   }
   // det b / (tr b / 2)^2 is below the smallest eigenvalue of b.
   for (int l = 0; l < kLanes; ++l) {
@@ -213,7 +217,8 @@ HWY_INLINE void keep_flow(const ElementShape& shape, LaneMask law, const float* 
       double A[9], e[6], G[6], determinant;
       invert_lane(shape.F, l, A, determinant);
       for (int i = 0; i < 9; i += 4) A[i] -= 1;
-      for (int i = 0; i < 6; ++i) e[i] = scratch[(TileLayout::kStrain + i) * kLanes + l];
+      for (int i = 0; i < 6; ++i)
+        e[i] = double{scratch[(TileLayout::kStrain + i) * kLanes + l]} + shape.low[i][l];
       push_lane(A, e, G);
       for (int i = 0; i < 6; ++i) plastic[i][l] = static_cast<float>(G[i]);
     }

@@ -130,7 +130,10 @@ TEST_CASE(
     CAPTURE(method_name(r.solver));
     const bool rounded = r.solver.precision == Precision::float32;
     CHECK(discs.energy == doctest::Approx(r.energy).epsilon(0.05));
-    CHECK(discs.most < 1.001);
+    // With MLS FLIP swings by twice as much, in float and double alike.
+    const bool swings =
+        r.solver.transfer == Transfer::flip && r.solver.force_form == ForceForm::mls;
+    CHECK(discs.most < (swings ? 1.003 : 1.001));
     CHECK(discs.momentum < (rounded ? 1e-6 : 1e-13));
     if (r.solver.transfer == Transfer::apic) CHECK(std::abs(discs.spin) < (rounded ? 1e-6 : 1e-11));
   }

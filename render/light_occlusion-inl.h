@@ -68,7 +68,8 @@ REND_LANES void occlusion_rows(const LightFrame& f, int begin, int end) {
   }
 }
 
-/// Mean over the 4 x 4 pattern, of pixels at about the same depth.
+/// Mean over the 4 x 4 pattern, of pixels at about the same depth. Weights are all the same on a
+/// surface that slants a little, or the pattern would show as faint stripes.
 REND_LANES void blur_rows(const LightFrame& f, int begin, int end) {
   for (int y = begin; y < end; ++y) {
     const float* const depth = f.half_depth + kLanePad;
@@ -82,7 +83,8 @@ REND_LANES void blur_rows(const LightFrame& f, int begin, int end) {
         const int yy = y + j < 0 ? 0 : y + j < f.half_height ? y + j : f.half_height - 1;
         for (int i = -2; i < 2; ++i) {
           const int at = yy * f.half_stride + x + i;
-          const F w = maximum(1.0f - absolute(load(depth + at) - z) * sharpness, num(1e-3f));
+          const F near = 1.25f - absolute(load(depth + at) - z) * sharpness;
+          const F w = minimum(maximum(near, num(1e-3f)), num(1));
           sum = sum + w * load(raw + at);
           weights = weights + w;
         }

@@ -144,7 +144,7 @@ TEST_CASE(
     "played back with the final set, what frames share never moves and order does not matter") {
   const Model model = kuhn_box({8, 8, 8}, {1, 1, 1}, .25, 32);
   const auto side = [](const Vec3& X) { return X.z() + .1 * std::sin(9 * X.y()) < .5; };
-  // All of it turns, and in frame 3 one particle is thrown out on its own.
+  // Two cracks cross. All of it turns, and in frame 3 one particle is thrown out on its own.
   const Index thrown = (4 * 9 + 4) * 9 + 7;
   std::vector<Snapshot> frames;
   for (Index f = 0; f < 8; ++f) {
@@ -153,7 +153,9 @@ TEST_CASE(
         model,
         [&](const Vec3& X) {
           const Real open = std::clamp(f / 4. - X.x(), 0., 1.);
-          return Vec3(turn * (X + (side(X) ? -.15 : .15) * open * Vec3(.3, 0, 1)));
+          const Vec3 apart((side(X) ? -.045 : .045), X.y() < .53 ? -.15 : .15,
+                           side(X) ? -.15 : .15);
+          return Vec3(turn * (X + open * apart));
         },
         f));
     if (f >= 3) frames.back().x[thrown] += Vec3(2, 0, 0);

@@ -89,6 +89,27 @@ TEST_CASE("1000 steps keep momentum, and angular momentum with affine velocities
     }
 }
 
+TEST_CASE("the drift of momentum in float over the number of particles" *
+          doctest::skip(!full_study())) {
+  for (Transfer transfer : {Transfer::apic, Transfer::flip})
+    for (int scale : {1, 2, 4, 8}) {
+      LatticeModel body;
+      const Vec3i count = scale * Vec3i(8, 6, 4);
+      body.add_box(Vec3(-2, -1.5, -1), count, 0.5, Vec3(0.7, -0.3, 0.2), 0.3);
+      body.spin(0, Vec3(-2, -1.5, -1) + 0.25 * count.cast<Real>(), Vec3(0.1, 0.2, -0.15) / scale);
+      Random random(9, 9);
+      for (Vec3& v : body.model.velocity)
+        v += 0.5 * Vec3(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1));
+      SceneDesc scene = plain_scene();
+      scene.solver = method(transfer, Kernel::quadratic, ForceForm::mls, Precision::float32);
+      scene.solver.time_step = 0.02;
+      const Drift d = drift(scene, body.model);
+      MESSAGE(fmt::format("{:28} {} particles: momentum {:.1e}", method_name(scene.solver),
+                          body.model.X.size(), d.momentum));
+      CHECK(d.momentum < (transfer == Transfer::flip ? 2e-7 : 1.2e-6));
+    }
+}
+
 TEST_CASE("V15 free fall: x0 + v0 t + g t (t + dt) / 2") {
   for (const SolverDesc& solver : every_method()) {
     SceneDesc scene = plain_scene();

@@ -74,8 +74,10 @@ TEST_CASE("tile and reference agree after 100 steps across re-bins") {
     Real tolerance;
     Transfer transfer = Transfer::apic;
   };
-  const Vec3i size(20, 16, 18);
   const Transfer flip = Transfer::flip;
+  // Round-off averages out less over fewer particles.
+  const Vec3i size = test::by_effort(Vec3i(10, 8, 9), Vec3i(20, 16, 18), Vec3i(20, 16, 18));
+  const Real slack = test::by_effort(2.0, 1.0, 1.0);
   for (const Case& c :
        {Case{"elastic", 1, 0, 5e-6}, Case{"von_mises", 8, 0, 5e-6}, Case{"von_mises", 8, 3, 5e-6},
         Case{"von_mises", 8, 12, 2e-5}, Case{"rankine", 8, 0, 5e-6}, Case{"rankine", 8, 5, 5e-6},
@@ -89,7 +91,7 @@ TEST_CASE("tile and reference agree after 100 steps across re-bins") {
     YieldSurface& surface = scene.materials[0].yield_surface;
     const auto parameters = yield_surface_parameters(surface.type);
     for (std::size_t i = 2; i < parameters.size(); ++i) surface.value[i] = parameters[i].fallback;
-    const Model model = torn_block(test::by_effort(Vec3i(10, 8, 9), size, size));
+    const Model model = torn_block(size);
     ReferenceSolver reference(scene, model);
     const FrameReport truth = reference.advance(1.0);
     REQUIRE(truth.substeps == 100);
@@ -109,11 +111,12 @@ TEST_CASE("tile and reference agree after 100 steps across re-bins") {
               ", strain ", e.strain, ", tau_c ", e.tau_c, ", re-bins ", tile.times().rebins);
       CHECK(e.x <= std::max(1e-5, 1e-2 * c.tolerance));
       CHECK(e.v <= std::max(1e-6, 5e-3 * c.tolerance));
-      CHECK(e.strain <= c.tolerance);
+      CHECK(e.strain <= slack * c.tolerance);
       CHECK(e.tau_c <= 4 * c.tolerance);
       CHECK(report.yielded == truth.yielded);
       CHECK(report.mass == doctest::Approx(truth.mass).epsilon(1e-12));
-      CHECK((report.momentum - truth.momentum).norm() <= 1e-7 * truth.mass * truth.max_speed);
+      CHECK((report.momentum - truth.momentum).norm() <=
+            slack * 1e-7 * truth.mass * truth.max_speed);
       CHECK(report.elastic_energy == doctest::Approx(truth.elastic_energy).epsilon(1e-5));
       CHECK(report.kinetic_energy == doctest::Approx(truth.kinetic_energy).epsilon(1e-5));
       CHECK(report.dissipated_energy == doctest::Approx(truth.dissipated_energy).epsilon(1e-4));

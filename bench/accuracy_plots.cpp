@@ -43,8 +43,8 @@ std::string label_of(const AccuracyRow& row) {
   if (row.solver.kernel == Kernel::cubic) label += " cubic";
   if (row.solver.force_form == ForceForm::gradient) label += " gradient";
   if (row.force == ForceKind::mesh) label += ", mesh forces";
-  if (row.solver.deformation_update == DeformationUpdate::linear) label += ", linear update";
-  if (row.rule == SofteningRule::explicit_rule) label += ", explicit softening";
+  if (row.solver.deformation_update == DeformationUpdate::linear) label += ", linear F";
+  if (row.rule == SofteningRule::explicit_rule) label += ", explicit";
   return label + (row.solver.precision == Precision::float32 ? ", tile" : "");
 }
 
@@ -65,6 +65,11 @@ std::vector<PlotSeries> curves(const std::vector<AccuracyRow>& rows, const Choos
       PlotSeries series;
       series.label = label_of(row);
       series.color = color_of(row.solver);
+      const bool linear = row.solver.deformation_update == DeformationUpdate::linear;
+      if (row.rule == SofteningRule::explicit_rule)
+        series.color = linear ? 0x8a8f98 : 0xc0504d;
+      else if (linear)
+        series.color = 0xd98c3f;
       if (row.force == ForceKind::particle && row.particles_per_cell != 8 && !against_cells) {
         series.label += fmt::format(", {:g} a cell", row.particles_per_cell);
         series.color = row.particles_per_cell < 8 ? 0x7fb3e0 : 0x0b2f5c;
@@ -156,9 +161,11 @@ std::vector<LogPlot> accuracy_plots(const std::vector<AccuracyRow>& rows) {
                           "lost share of the mechanical energy"));
   out.push_back(work_plot(rows, "colliding_balls", plain_step, "Two balls collide (P3)",
                           "lost share of the mechanical energy"));
-  for (const char* problem : {"driven_rankine", "driven_von_mises"})
+  for (const char* problem : {"driven_rankine", "driven_von_mises"}) {
     out.push_back(work_plot(rows, problem, plain_step, "A path through yield and softening (P4)",
                             "error of the stress"));
+    out.back().subtitle = "Each curve is one method in 20 to 1280 steps. One thread, CPU time";
+  }
   out.push_back(
       work_plot(rows, "torn_bar", plain_step, "A bar is torn (P5)", "error of the crack's energy"));
   out.push_back(work_plot(rows, "taylor_bar", plain_step, "A copper bar hits a wall (P6)",

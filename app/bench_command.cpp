@@ -51,8 +51,8 @@ void print_study(const StudyOutput& study, const BenchOptions& options) {
 }  // namespace
 
 const std::vector<std::string>& bench_names() {
-  static const std::vector<std::string> names = {"solver", "fracture", "render", "accuracy",
-                                                 "cracks"};
+  static const std::vector<std::string> names = {"solver", "worst", "fracture",
+                                                 "render", "accuracy", "cracks"};
   return names;
 }
 
@@ -67,6 +67,8 @@ void run_bench(const BenchOptions& options) {
     print_solver_bench(bench_solver(options.quick, stderr), stdout, csv.get());
     print_variants("tile solver, features", bench_features(options.quick, stderr), stdout);
     print_variants("tile solver, sizes", bench_sizes(options.quick, stderr), stdout);
+    print_worst_cases(bench_worst_cases(options.quick), stdout);
+  } else if (options.name == "worst") {
     print_worst_cases(bench_worst_cases(options.quick), stdout);
   } else if (options.name == "fracture") {
     const std::vector<Index> sizes = options.quick ? std::vector<Index>{4000, 60000}

@@ -15,6 +15,7 @@ struct WorstCaseRow {
   Index particles = 0;
   Index rebins = 0;
   Real cpu_ns = 0;
+  Real particles_ns = 0, grid_ns = 0, islands_ns = 0, legs_ns = 0, rebin_ns = 0;  ///< parts of it
   Real ratio_to_dense = 0;
 };
 

@@ -9,7 +9,7 @@
 #define HWY_TARGET_INCLUDE "engine/mpm/tile_kernel.cpp"
 #include "hwy/foreach_target.h"
 
-#include "engine/mpm/tile_lone-inl.h"
+#include "engine/mpm/tile_island-inl.h"
 #include "engine/mpm/tile_mesh-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -31,6 +31,7 @@ const TileKernels* kernels_of_target() {
         particle_block<Pass::gather, true>, particle_block<Pass::mesh_scatter, true>,
         particle_block<Pass::mesh_gather, true>}},
       {lone_run<Pass::scatter>, lone_run<Pass::fused>, lone_run<Pass::gather>},
+      exchange_islands,
       {grid_block<false>, grid_block<true>},
       respond_tiles,
       measure_tiles,

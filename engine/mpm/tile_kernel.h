@@ -64,6 +64,36 @@ struct ParticleRun {
   std::int32_t count = 0;
 };
 
+/// Where sixteen particles of islands have their nodes, and how fast they were when the leg began.
+struct alignas(64) IslandLanes {
+  float origin[kLanes];  ///< index of the node at the origin of the particle's block
+  float stride_x[kLanes], stride_y[kLanes];  ///< from node to node; 1 along z
+  float velocity[3][kLanes];                 ///< [cells/s]
+};
+
+/// Particles of islands on nodes that no others share.
+struct IslandTask {
+  /// Sixteen particles. Those without `out` are ghosts, of another part of the same island: they
+  /// add to the nodes that they have in common with this one.
+  struct alignas(64) Tile {
+    std::int32_t base[kLanes];  ///< for the kernel: first node of the stencil, and strides
+    std::int32_t stride_x[kLanes], stride_y[kLanes];
+    std::int32_t count = 0;  ///< particles
+    const float* particles = nullptr;
+    const float* motion = nullptr;
+    const IslandLanes* lanes = nullptr;
+    float* out = nullptr;  ///< v and C after the step, may be `motion`
+    float density = 0;     ///< see MaterialConstants
+  };
+  Tile* tiles = nullptr;
+  std::int32_t tile_count = 0;
+  std::int32_t first_node = 0;  ///< index of nodes[0]
+  std::int32_t node_count = 0;  ///< that stencils may begin at
+  float* nodes = nullptr;       ///< 4 floats each, with room for a stencil more
+  float fall[3] = {0, 0, 0};    ///< velocity that gravity has given since the leg began [cells/s]
+  float strayed = 0;  ///< out: most that a velocity component differs from free fall [cells/s]
+};
+
 /// What a run reports after a pass.
 struct RunExtremes {
   float speed2 = 0;          ///< max |v|^2 [cells^2/s^2]
@@ -153,6 +183,8 @@ struct TileKernels {
   void (*particles[2][5])(const StepConstants&, BlockTask&);
   /// The same passes for particles that share no node with others; gain is dt g [cells/s].
   void (*lone[3])(const StepConstants&, const ParticleRun&, const float* gain, RunExtremes&);
+  /// The nodes' step of islands but for gravity; v and C are then as `lone` wants them.
+  void (*islands)(IslandTask&);
   void (*grid[2])(GridTask&);  ///< by whether the transfer is FLIP
   /// Return mapping of tiles where they are, as a step of length 0 would do it.
   void (*respond)(const TileLayout&, const MaterialConstants&, float* tiles, int tile_count,

@@ -379,7 +379,7 @@ std::string TileSolver::describe() const {
 
 double TileSolver::bytes_per_particle() const {
   const double bytes = static_cast<double>(
-      store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() + lone_.bytes() +
+      store_.bytes() + spare_.size() * sizeof(float) + grid_.bytes() + islands_.bytes() +
       static_cast<std::size_t>(mesh_.bytes()) + run_extremes_.capacity() * sizeof(RunExtremes) +
       strength_.size() * sizeof(float));
   return bytes / std::max<double>(1, store_.particle_count());

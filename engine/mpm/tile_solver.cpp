@@ -20,9 +20,13 @@ namespace {
 // A particle may be this far beyond its block, in cells; a whole cell is what the node tile has
 // room for.
 constexpr float kMargin = 0.999f;
-// Lone particles are looked for again once anything may have moved as far as in this many steps.
-constexpr Real kStepsOfLeg = 25;
-// What may speed up in the step that ends a leg is looked for as if it were this much faster.
+// Islands are looked for again after this many steps, or when something has gone this far, or when
+// they may have strayed this far from free fall or other matter from its place [cells].
+constexpr Real kStepsOfLeg = 40;
+constexpr Real kFarthest = 2;
+constexpr Real kLeastStray = 0.05;
+constexpr Real kLeastReach = 0.1;
+// What may speed up before a leg ends is looked at as if it were this much faster.
 constexpr Real kFaster = 2;
 constexpr Real kMostSteps = 1e7;  // in one advance; more means that the state has blown up
 
@@ -156,39 +160,69 @@ void TileSolver::update_topology() {
   topology_fits_ = true;
 }
 
-// ---- lone particles
+// ---- islands
 
 void TileSolver::begin_leg(Real remaining) {
-  const Real speed = (motion_.speed + motion_.collider_speed) / dx_;
-  const Real dt = choose_time_step(scene_.solver, dx_, motion_, remaining);
-  lone_reach_ = std::clamp(kStepsOfLeg * dt * speed, 0.1, 2.0);
-  lone_travel_ = 0;
+  const Stopwatch watch(times_.legs);
+  leg_ = {};
+  ++legs_;
+  leg_.bounds.gravity = gravity_ / dx_;
+  const Real fastest = (motion_.speed + motion_.collider_speed) / dx_;
+  Real time = kStepsOfLeg * choose_time_step(scene_.solver, dx_, motion_, remaining);
+  if (fastest > 0) time = std::min(time, kFarthest / fastest);
+  if (gravity_.norm() > 0) time = std::min(time, std::sqrt(kFarthest / leg_.bounds.gravity.norm()));
+  leg_.bounds.time = remaining / std::ceil(remaining / time);  // legs of one length
+  leg_.bounds.stray = kLeastStray;
+  leg_.bounds.reach = std::max(kLeastReach, leg_.bounds.time * motion_.collider_speed / dx_);
+
   NodeLoads loads(scene_.colliders, pull_, time_, node_rule_);
   loads.assume_pulled();
-  const Real clearance = (1.5 * std::sqrt(3.0) + 2 * lone_reach_) * dx_;
-  const std::vector<std::uint8_t> flags =
-      find_lone_blocks(store_, lone_reach_, [&](const Vec3& x, const TileRun& run) {
-        return !on_mesh(run) && (loads.none() || loads.near(dx_ * x, clearance).none());
+  const Real beyond = 1.5 * std::sqrt(3.0) + leg_.bounds.reach;
+  // Islands have no second part of nodes; single particles need none.
+  const std::vector<std::int32_t> island = find_islands(
+      store_, motion(), leg_.bounds, is_flip() ? 1 : store_.particle_count(),
+      [&](const TileRun& run) { return !on_mesh(run); },
+      [&](const Vec3& centre, Real radius) {
+        return loads.none() || loads.near(dx_ * centre, dx_ * (radius + beyond)).none();
       });
-  if (std::find(flags.begin(), flags.end(), 1) != flags.end()) {
-    store_.set_lone(flags);
-    lone_.pack(store_, motion());
+  std::vector<std::uint8_t> parked(island.size());
+  std::transform(island.begin(), island.end(), parked.begin(), [](auto n) { return n >= 0; });
+  if (std::count(parked.begin(), parked.end(), 0) < static_cast<Index>(parked.size())) {
+    store_.park(parked);
+    std::vector<std::int32_t> of_parked;
+    std::copy_if(island.begin(), island.end(), std::back_inserter(of_parked),
+                 [](auto n) { return n >= 0; });
+    islands_.pack(store_, motion(), of_parked, leg_.bounds);
     topology_fits_ = false;
   }
   if (!topology_fits_) update_topology();
 }
 
+bool TileSolver::leg_ends(Real dt, Real next) const {
+  if (islands_.empty()) return false;
+  return leg_.time + dt + next > leg_.bounds.time * (1 + 1e-9) ||
+         leg_.travel + kFaster * dt * leg_.fastest > leg_.bounds.reach ||
+         leg_.strayed + kFaster * dt * leg_.straying > leg_.bounds.stray;
+}
+
 void TileSolver::end_leg() {
-  if (lone_.empty()) return;
-  lone_.unpack(store_, motion());
-  lone_.clear();
-  store_.clear_lone();
+  if (islands_.empty()) return;
+  const Stopwatch watch(times_.legs);
+  islands_.unpack(store_, motion());
+  islands_.clear();
+  excess_ = std::max(excess_, store_.release());
+  if (!(excess_ < kMargin)) {
+    AlignedFloats tiles;
+    store_.rebin(tiles, &spare_);
+    excess_ = 0;
+    ++times_.rebins;
+  }
   topology_fits_ = false;
 }
 
 // ---- one frame
 
-// Steps until the frame ends or lone particles may meet others; begins and ends with a complete
+// Steps until the frame ends or islands may meet others; begins and ends with a complete
 // state.
 Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, FrameReport& report) {
   const auto too_many = [&](Real dt) { return !((end - begin) / dt < kMostSteps); };
@@ -218,17 +252,14 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
     const Real after = dt < end - time_ ? time_ + dt : end;
     stopped_ = stopped_ || (after < end && between && !between());
     last = after >= end || stopped_;
-    if (!lone_.empty()) {
-      const Real lone_speed = motion_.speed / dx_ + dt * gravity_.norm() / dx_;
-      if (!(dt * lone_speed < 1)) return {Status::too_fast, -1, lone_speed * dx_};
-      const Real soon = std::max(lone_speed, motion_.collider_speed / dx_);
-      last = last || lone_travel_ + kFaster * dt * soon > lone_reach_;
-    }
     Real next = 0;
-    if (after < end && !stopped_) {
+    if (!last) {
       next = choose_time_step(scene_.solver, dx_, motion_, end - after);
       if (too_many(next)) return {Status::too_fast, -1, motion_.speed, true};
     }
+    last = last || leg_ends(dt, next);
+    if (!islands_.empty() && !(dt * (motion_.speed + dt * gravity_.norm()) < dx_))
+      return {Status::too_fast, -1, motion_.speed};
     if (last || !mesh_.empty())
       spare_.reserve(std::size_t(store_.tile_count()) *
                      std::max(kMotionFloats, store_.layout().floats()));
@@ -242,7 +273,11 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
       return {sums.finite ? Status::too_fast : Status::not_finite, -1, sums.motion.speed};
     excess_ = std::max(sums.excess, 0.0f);
     const Real collider_speed = motion_.collider_speed;
-    lone_travel_ += dt * std::max(sums.motion.speed, collider_speed) / dx_;
+    leg_.fastest = std::max(sums.fastest, collider_speed / dx_);
+    leg_.travel += dt * leg_.fastest;
+    leg_.straying = sums.strayed;
+    leg_.strayed += dt * leg_.straying;
+    leg_.time += dt;
     motion_ = sums.motion;
     motion_.collider_speed = collider_speed;
     if (report.substeps == 0) balance_.change_step(report_, dt);

@@ -5,8 +5,8 @@
 #include "engine/mpm/fault.h"
 #include "engine/mpm/solver.h"
 #include "engine/mpm/tile_grid.h"
+#include "engine/mpm/tile_island.h"
 #include "engine/mpm/tile_kernel.h"
-#include "engine/mpm/tile_lone.h"
 #include "engine/mpm/tile_mesh.h"
 #include "engine/mpm/tile_store.h"
 #include "engine/mpm/time_step.h"
@@ -20,7 +20,7 @@ namespace rend {
 
 /// CPU seconds of the process that the stages of advance() have taken.
 struct TileTimes {
-  Real grid = 0, particles = 0, elements = 0, rebin = 0;
+  Real grid = 0, particles = 0, islands = 0, elements = 0, rebin = 0, legs = 0;
   Index steps = 0, rebins = 0;
 };
 
@@ -61,8 +61,10 @@ class TileSolver : public Solver {
   const TileTimes& times() const { return times_; }
   /// Elements of bodies with mesh forces.
   const TileMesh& mesh() const { return mesh_; }
-  /// Steps that single particles have taken without a grid.
+  /// Steps that particles have taken without the shared grid: single ones, and in islands.
   std::int64_t lone_steps() const { return lone_steps_; }
+  std::int64_t island_steps() const { return island_steps_; }
+  std::int64_t legs() const { return legs_; }
 
  private:
   struct Material {
@@ -76,6 +78,8 @@ class TileSolver : public Solver {
     Real dissipation = 0;
     Index clamped = 0;
     float excess = 0;
+    Real fastest = 0;  ///< particle [cells/s]
+    Real strayed = 0;  ///< largest velocity component of an island that free fall lacks [cells/s]
     bool finite = true;
     StepSums& operator+=(const StepSums& other);
   };
@@ -115,12 +119,16 @@ class TileSolver : public Solver {
   template <class F>
   void each_vertex(F&& visit) const;
   StepSums sums_of(std::uint16_t material, const RunExtremes& extremes) const;
-  StepSums lone_pass(Pass pass, const StepConstants& step);
+  StepSums island_pass(Pass pass, const StepConstants& step);
+  Real exchange(Index task);
   StepSums every_particle(Pass pass, const StepConstants& step, Real next);
-  /// Between legs all particles are in regular blocks, with v and C stored; within one, lone ones
-  /// are on their own.
+  /// Between legs all particles are in regular blocks, with v and C stored; within one, islands are
+  /// on their own.
   void begin_leg(Real remaining);
   void end_leg();
+  /// Whether a leg must end with the step of length `dt`, before particles may break what islands
+  /// rely on in the `next` one.
+  bool leg_ends(Real dt, Real next) const;
   Fault run_leg(Real begin, Real end, const BetweenSteps& between, FrameReport& report);
   /// Largest node velocity component [cells/s].
   Real grid_pass(Real dt);
@@ -169,11 +177,17 @@ class TileSolver : public Solver {
   mutable AlignedFloats spare_;  ///< v and C between frames, room to re-bin within one
   TileGrid grid_;
   TileMesh mesh_;
-  LoneTiles lone_;
-  Real lone_reach_ = 0;   ///< how far anything may move in this leg [cells]
-  Real lone_travel_ = 0;  ///< how far anything may have moved since it began [cells]
+  IslandTiles islands_;
+  // The leg under way: its bounds, and what has come of them.
+  struct Leg {
+    LegBounds bounds;
+    Real time = 0;
+    Real travel = 0, fastest = 0;    ///< of matter on the grid and colliders [cells, cells/s]
+    Real strayed = 0, straying = 0;  ///< of islands [cells, cells/s]
+  };
+  Leg leg_;
   bool topology_fits_ = false;
-  std::int64_t lone_steps_ = 0;
+  std::int64_t lone_steps_ = 0, island_steps_ = 0, legs_ = 0;
   bool stopped_ = false;  ///< between() has ended the advance
   std::vector<RunExtremes> run_extremes_;
   float excess_ = 0;

@@ -90,7 +90,7 @@ TileSolver::State TileSolver::state() const {
 }
 
 void TileSolver::restore(const State& s) {
-  lone_.clear();
+  islands_.clear();
   store_.restore(s.store);
   mesh_.restore(s.mesh);
   if (!mesh_.empty()) place_vertices();

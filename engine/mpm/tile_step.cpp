@@ -14,6 +14,8 @@ TileSolver::StepSums& TileSolver::StepSums::operator+=(const StepSums& other) {
   dissipation += other.dissipation;
   clamped += other.clamped;
   excess = std::max(excess, other.excess);
+  fastest = std::max(fastest, other.fastest);
+  strayed = std::max(strayed, other.strayed);
   finite = finite && other.finite;
   return *this;
 }
@@ -96,38 +98,93 @@ TileSolver::StepSums TileSolver::sums_of(std::uint16_t material,
   const bool affine = keeps_affine_velocity(scene_.solver);
   sums.motion.speed = dx_ * (std::sqrt(static_cast<Real>(extremes.speed2)) +
                              (affine ? std::sqrt(3.0) * sums.motion.gradient : 0));
+  sums.fastest = std::sqrt(static_cast<Real>(extremes.speed2));
   sums.dissipation = extremes.dissipation;
   sums.clamped = extremes.clamped;
   sums.finite = extremes.finite;
   return sums;
 }
 
-TileSolver::StepSums TileSolver::lone_pass(Pass pass, const StepConstants& step) {
+// The nodes' step of the islands of a task; parts of a large island read each other's motion, so
+// theirs goes to a place of its own.
+Real TileSolver::exchange(Index n) {
+  const IslandTiles::Task& own = islands_.tasks()[static_cast<std::size_t>(n)];
+  static thread_local std::vector<IslandTask::Tile> tiles;
+  static thread_local AlignedFloats nodes;
+  tiles.clear();
+  for (Index k = n - (own.after ? 1 : 0); k <= n + (own.before ? 1 : 0); ++k) {
+    const IslandTiles::Task& of = islands_.tasks()[static_cast<std::size_t>(k)];
+    for (std::int32_t r = of.first_run; r < of.first_run + of.run_count; ++r) {
+      const TileRun& run = islands_.run(r);
+      for (std::int32_t i = 0; i < run.tiles(); ++i) {
+        const std::int32_t t = run.first_tile + i;
+        IslandTask::Tile& tile = tiles.emplace_back();
+        tile.count = std::min(kLanes, run.count - i * kLanes);
+        tile.particles = islands_.tile(t);
+        tile.motion = islands_.motion(t);
+        tile.lanes = islands_.lanes(t);
+        if (k == n) tile.out = own.is_part() ? islands_.next_motion(t) : islands_.motion(t);
+        tile.density = materials_[run.material].constants.density;
+      }
+    }
+  }
+  nodes.reserve(4 * islands_.room_for(own.nodes));
+  IslandTask task;
+  task.tiles = tiles.data();
+  task.tile_count = static_cast<std::int32_t>(tiles.size());
+  task.nodes = nodes.data();
+  task.first_node = own.first_node;
+  task.node_count = own.nodes;
+  const Vec3 fall = leg_.time / dx_ * gravity_;
+  for (int a = 0; a < 3; ++a) task.fall[a] = static_cast<float>(fall[a]);
+  kernels_->islands(task);
+  return task.strayed;
+}
+
+TileSolver::StepSums TileSolver::island_pass(Pass pass, const StepConstants& step) {
+  const Stopwatch watch(times_.islands);
   const Vec3 change = static_cast<Real>(step.dt) / dx_ * gravity_;
   const float gain[3] = {static_cast<float>(change[0]), static_cast<float>(change[1]),
                          static_cast<float>(change[2])};
   const auto kernel = kernels_->lone[static_cast<int>(pass)];
-  constexpr Index kTiles = 4;
+  const Index count = static_cast<Index>(islands_.tasks().size());
+  const auto task = [&](Index n) -> const IslandTiles::Task& {
+    return islands_.tasks()[static_cast<std::size_t>(n)];
+  };
+  const bool moves = pass != Pass::scatter;
   StepSums total;
-  for (const TileRun& run : lone_.runs()) {
-    if (pass != Pass::scatter) lone_steps_ += run.count;
-    total += ordered_sum((run.tiles() + kTiles - 1) / kTiles, 8, StepSums(), [&](Index part) {
-      const std::int32_t first = part * kTiles;
-      const ParticleRun piece{lone_.tile(run.first_tile + first),
-                              lone_.motion(run.first_tile + first),
-                              &materials_[run.material].constants,
-                              std::min(kTiles * kLanes, run.count - first * kLanes)};
-      RunExtremes extremes;
-      kernel(step, piece, gain, extremes);
-      return sums_of(run.material, extremes);
+  if (moves && islands_.has_parts())
+    total += ordered_sum(count, 1, StepSums(), [&](Index n) {
+      StepSums sums;
+      if (task(n).is_part()) sums.strayed = exchange(n);
+      return sums;
     });
-  }
+  total += ordered_sum(count, 4, StepSums(), [&](Index n) {
+    StepSums sums;
+    if (moves && task(n).nodes > 0 && !task(n).is_part()) sums.strayed = exchange(n);
+    for (std::int32_t r = task(n).first_run; r < task(n).first_run + task(n).run_count; ++r) {
+      const TileRun& run = islands_.run(r);
+      if (moves && task(n).is_part())
+        std::copy_n(islands_.next_motion(run.first_tile), run.tiles() * kMotionFloats,
+                    islands_.motion(run.first_tile));
+      RunExtremes extremes;
+      kernel(step, islands_.particles(r, materials_[run.material].constants), gain, extremes);
+      sums += sums_of(run.material, extremes);
+    }
+    return sums;
+  });
+  for (Index n = 0; moves && n < count; ++n)
+    for (std::int32_t r = task(n).first_run; r < task(n).first_run + task(n).run_count; ++r)
+      (task(n).nodes > 0 ? island_steps_ : lone_steps_) += islands_.run(r).count;
   return total;
 }
 
 TileSolver::StepSums TileSolver::every_particle(Pass pass, const StepConstants& step, Real next) {
   StepSums sums = mesh_.empty() ? particle_pass(pass, step) : mesh_pass(pass, step, next);
-  if (!lone_.empty()) sums += lone_pass(pass, step);
+  if (islands_.empty()) return sums;
+  const Real fastest = sums.fastest;  // on the grid
+  sums += island_pass(pass, step);
+  sums.fastest = fastest;
   return sums;
 }
 

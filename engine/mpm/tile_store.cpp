@@ -96,7 +96,7 @@ void TileStore::place(const TileLayout& layout, std::vector<Arrival> arrivals,
   }
 }
 
-void TileStore::rebin(AlignedFloats& spare) {
+void TileStore::rebin(AlignedFloats& spare, AlignedFloats* motion) {
   const Index old_count = regular_count_;
   // Particles of every block, grouped by the neighbor that they go to.
   std::vector<std::array<std::int32_t, kNeighbors + 1>> group(static_cast<std::size_t>(old_count));
@@ -182,17 +182,25 @@ void TileStore::rebin(AlignedFloats& spare) {
     blocks[n].run_count = static_cast<std::int32_t>(runs_of[n].size());
     runs.insert(runs.end(), runs_of[n].begin(), runs_of[n].end());
   }
-  const Index lone_count = static_cast<Index>(blocks_.size()) - regular_count_;
-  for (Index n = 0; n < lone_count; ++n) {
-    blocks.push_back(blocks_[regular_count_ + n]);
-    runs.push_back(runs_[blocks.back().first_run]);
-    blocks.back().first_run = static_cast<std::int32_t>(runs.size()) - 1;
+  std::vector<std::int32_t> parked;  // first tiles of their runs, before
+  for (std::size_t b = static_cast<std::size_t>(old_count); b < blocks_.size(); ++b) {
+    blocks.push_back(blocks_[b]);
+    blocks.back().first_run = static_cast<std::int32_t>(runs.size());
+    for (int r = 0; r < blocks_[b].run_count; ++r) {
+      runs.push_back(runs_[blocks_[b].first_run + r]);
+      parked.push_back(runs.back().first_tile);
+    }
   }
-  const std::vector<TileRun> before(runs.end() - lone_count, runs.end());
   lay_out_tiles(runs);
 
   const int floats = layout_.floats();
   spare.reserve(std::size_t(tile_count_) * floats);
+  AlignedFloats motion_there;
+  if (motion) {
+    motion_there.reserve(std::size_t(tile_count_) * std::max(kMotionFloats, floats));
+    std::fill(motion_there.data(), motion_there.data() + std::size_t(tile_count_) * kMotionFloats,
+              0.0f);
+  }
   std::vector<Index> ids(std::size_t(tile_count_) * kLanes, -1);
   parallel_for(new_count, 4, [&](Index n) {
     TileBlock& block = blocks[n];
@@ -226,17 +234,21 @@ void TileStore::rebin(AlignedFloats& spare) {
       for (int a = 0; a < 3; ++a) lane[a * kLanes] = x[a];
       for (int g = 3; g < layout_.groups; ++g) lane[g * kLanes] = from[g * kLanes];
       ids[to] = ids_[slot];
+      for (int g = 0; motion && g < kMotionFloats; g += kLanes)
+        motion_there.data()[std::size_t(to / kLanes) * kMotionFloats + g + to % kLanes] =
+            motion->data()[std::size_t(slot / kLanes) * kMotionFloats + g + slot % kLanes];
     });
   });
-  parallel_for(lone_count, 64, [&](Index n) {
-    const std::int32_t from = before[n].first_tile;
-    const std::int32_t to = runs[runs.size() - lone_count + n].first_tile;
-    std::copy(tile(from), tile(from) + floats, spare.data() + std::size_t(to) * floats);
-    std::copy(ids_.begin() + from * kLanes, ids_.begin() + (from + 1) * kLanes,
+  parallel_for(static_cast<Index>(parked.size()), 64, [&](Index n) {
+    const TileRun& run = runs[runs.size() - parked.size() + n];
+    const std::int32_t from = parked[n], to = run.first_tile;
+    std::copy(tile(from), tile(from + run.tiles()), spare.data() + std::size_t(to) * floats);
+    std::copy(ids_.begin() + from * kLanes, ids_.begin() + (from + run.tiles()) * kLanes,
               ids.begin() + to * kLanes);
   });
   regular_count_ = new_count;
   std::swap(tiles_, spare);
+  if (motion) std::swap(*motion, motion_there);
   ids_.swap(ids);
   blocks_.swap(blocks);
   runs_.swap(runs);
@@ -248,28 +260,30 @@ TileStore::State TileStore::state() const {
   return {layout_, blocks_, runs_, ids_, std::vector<float>(tiles_.data(), tiles_.data() + floats)};
 }
 
-void TileStore::set_lone(const std::vector<std::uint8_t>& flags) {
-  std::vector<TileBlock> regular, lone;
+void TileStore::park(const std::vector<std::uint8_t>& flags) {
+  std::vector<TileBlock> regular, parked;
   for (std::size_t b = 0; b < blocks_.size(); ++b)
-    (flags[b] ? lone : regular).push_back(blocks_[b]);
+    (flags[b] ? parked : regular).push_back(blocks_[b]);
   regular_count_ = static_cast<Index>(regular.size());
-  regular.insert(regular.end(), lone.begin(), lone.end());
+  regular.insert(regular.end(), parked.begin(), parked.end());
   blocks_.swap(regular);
 }
 
-void TileStore::clear_lone() {
-  for (std::size_t b = static_cast<std::size_t>(regular_count_); b < blocks_.size(); ++b) {
-    TileBlock& block = blocks_[b];
-    float* lane = tile(runs_[block.first_run].first_tile);
-    for (int a = 0; a < 3; ++a) {
-      const float shift = std::floor((lane[a * kLanes] + 0.5f) * 0.25f);
-      block.coord[a] += static_cast<int>(shift);
-      lane[a * kLanes] -= 4 * shift;
+float TileStore::release() {
+  float farthest = 0;
+  for (std::size_t b = static_cast<std::size_t>(regular_count_); b < blocks_.size(); ++b)
+    for (int r = 0; r < blocks_[b].run_count; ++r) {
+      const TileRun& run = runs_[blocks_[b].first_run + r];
+      pad(run);
+      for (int i = 0; i < run.count; ++i) {
+        const float* lane = tile(run.first_tile + i / kLanes) + i % kLanes;
+        for (int a = 0; a < 3; ++a)
+          farthest = std::max({farthest, lane[a * kLanes] - blocks_[b].high(a),
+                               blocks_[b].low(a) - lane[a * kLanes]});
+      }
     }
-    block.halves = halves_of_cell(cell_index(lane, kLanes));
-    pad(runs_[block.first_run]);
-  }
   regular_count_ = static_cast<Index>(blocks_.size());
+  return farthest;
 }
 
 bool TileStore::State::fits(Index count, std::size_t materials) const {

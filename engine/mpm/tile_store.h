@@ -55,16 +55,16 @@ class TileStore {
              const std::function<void(float* lane, Index id)>& fill);
 
   /// Sorts the particles of regular blocks again where they are now, through `spare`, which then
-  /// holds the old tiles.
+  /// holds the old tiles. `motion`, where given, has kMotionFloats for every tile, which move
+  /// along.
   /// @pre no particle is farther than a block from its own.
-  void rebin(AlignedFloats& spare);
+  void rebin(AlignedFloats& spare, AlignedFloats* motion = nullptr);
 
-  /// Moves the flagged blocks, of one particle each, behind the regular ones; rebin() leaves them
-  /// alone.
-  void set_lone(const std::vector<std::uint8_t>& flags);
-  /// Makes all blocks regular; a particle that has left its block takes it along.
-  void clear_lone();
-  /// The first regular_count() blocks are regular, the rest lone.
+  /// Moves the flagged blocks behind the regular ones; rebin() leaves them alone.
+  void park(const std::vector<std::uint8_t>& flags);
+  /// Makes all blocks regular. Returns how far any of the parked particles is beyond its block now.
+  float release();
+  /// The first regular_count() blocks are regular, the rest parked.
   Index regular_count() const { return regular_count_; }
 
   /// Changes the groups of a tile; the ten that are always there keep their values, as do the

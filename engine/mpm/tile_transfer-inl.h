@@ -63,16 +63,14 @@ struct alignas(64) Work {
   float stress[kBatch][6][16];
 };
 
-enum class Transfers { gather, scatter };
+enum class Transfers { gather, scatter, both };
 
-/// Weights of N(x) and the offset from the centre node. The base is clamped to the tile, so that no
-/// position, not even NaN, can write outside it.
+/// Weights of N(x) on the stencils that begin at `base`, and the offset from the centre node.
 template <Transfers kFor>
-HWY_INLINE void stencil_weights(const Lanes* x, Lanes* offset, Weights& w) {
+HWY_INLINE void spline_weights(const Lanes* x, const Lanes* base, Lanes* offset, Weights& w) {
   const Lanes half(0.5f);
-  Lanes base[3], n[3][3];
+  Lanes n[3][3];
   for (int a = 0; a < 3; ++a) {
-    base[a] = min(max(floor(x[a] - half), Lanes(-2.0f)), Lanes(3.0f));
     const Lanes f = x[a] - base[a];
     const Lanes left = Lanes(1.5f) - f, right = f - half;
     offset[a] = f - Lanes(1.0f);
@@ -80,36 +78,46 @@ HWY_INLINE void stencil_weights(const Lanes* x, Lanes* offset, Weights& w) {
     n[a][1] = neg_mul_add(offset[a], offset[a], Lanes(0.75f));
     n[a][2] = half * right * right;
   }
-  store_int(mul_add(base[0], Lanes(64.0f), mul_add(base[1], Lanes(8.0f), base[2])) +
-                Lanes(2.0f * 64 + 2 * 8 + 2),
-            w.base);
-  if constexpr (kFor == Transfers::gather) {
+  if constexpr (kFor != Transfers::scatter)
     for (int i = 0; i < 3; ++i) {
       store(n[0][i], w.wx[i]);
       store(n[1][i], w.wy[i]);
     }
-  } else {
+  if constexpr (kFor != Transfers::gather)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) store(n[0][i] * n[1][j], w.wxy[3 * i + j]);
-  }
   Lanes z[4];
   transpose4(n[2][0], n[2][1], n[2][2], Lanes(0.0f), z);
   for (int r = 0; r < 4; ++r) store(z[r], &w.wz[r][0][0]);
 }
 
+/// The same on the tile of a block. The base is clamped to the tile, so that no position, not even
+/// NaN, can write outside it.
+template <Transfers kFor>
+HWY_INLINE void stencil_weights(const Lanes* x, Lanes* offset, Weights& w) {
+  Lanes base[3];
+  for (int a = 0; a < 3; ++a)
+    base[a] = min(max(floor(x[a] - Lanes(0.5f)), Lanes(-2.0f)), Lanes(3.0f));
+  store_int(mul_add(base[0], Lanes(64.0f), mul_add(base[1], Lanes(8.0f), base[2])) +
+                Lanes(2.0f * 64 + 2 * 8 + 2),
+            w.base);
+  spline_weights<kFor>(x, base, offset, w);
+}
+
 /// Rows of the 8 x 8 that the stencil with this base covers.
 HWY_INLINE std::uint64_t stencil_rows(std::int32_t base) { return 0x070707ull << (base >> 3); }
 
-/// Gathers sum w v and sum w v (x_i - centre) of one particle: sums over y and x factor out.
-HWY_INLINE Lanes gather_particle(const float* nodes, const Weights& w, int lane, Lanes z_index) {
+/// Gathers sum w v and sum w v (x_i - centre) of one particle from the rows row(i, j) of its
+/// stencil: sums over y and x factor out.
+template <class Rows>
+HWY_INLINE Lanes gather_particle(const Rows& row, const Weights& w, int lane, Lanes z_index) {
   const Lanes wz = spread4(w.wz[lane & 3][lane >> 2]);
   const Lanes y0(w.wy[0][lane]), y1(w.wy[1][lane]), y2(w.wy[2][lane]);
   Lanes sum, sum_x, sum_y, first;
   for (int i = 0; i < 3; ++i) {
-    const float* b = nodes + i * kPlane;
-    const Lanes p0 = y0 * load_unaligned(b);
-    const Lanes row2 = load_unaligned(b + 2 * kNodeRowFloats);
-    const Lanes plane = mul_add(y2, row2, mul_add(y1, load_unaligned(b + kNodeRowFloats), p0));
+    const Lanes p0 = y0 * row(i, 0);
+    const Lanes row2 = row(i, 2);
+    const Lanes plane = mul_add(y2, row2, mul_add(y1, row(i, 1), p0));
     const Lanes plane_y = mul_sub(y2, row2, p0);
     const Lanes x(w.wx[i][lane]);
     if (i == 0) {
@@ -128,8 +136,13 @@ HWY_INLINE Lanes gather_particle(const float* nodes, const Weights& w, int lane,
 /// Gathers a whole tile into `out`, one particle a row; pad lanes follow the last particle.
 HWY_INLINE void gather_tile(const float* nodes, const Weights& w, int count, float out[16][16]) {
   const Lanes z_index = group_index() - Lanes(1.0f);
-  for (int l = 0; l < count; ++l)
-    store(gather_particle(nodes + std::size_t(w.base[l]) * 4, w, l, z_index), out[l]);
+  for (int l = 0; l < count; ++l) {
+    const float* first = nodes + std::size_t(w.base[l]) * 4;
+    const auto row = [&](int i, int j) HWY_ATTR {
+      return load_unaligned(first + i * kPlane + j * kNodeRowFloats);
+    };
+    store(gather_particle(row, w, l, z_index), out[l]);
+  }
   for (int l = count; l < 16; ++l) store(load(out[count - 1]), out[l]);
 }
 
@@ -167,6 +180,11 @@ inline constexpr size_t kPart = kLeaf == 4 ? 4 : 16;
 inline constexpr int kParts = kLeaf == 4 ? 3 : 1;
 using PartVec = WideVec<kPart>;
 
+/// The place along z of the nodes in a part of a row, -1, 0 or 1 from the centre.
+HWY_INLINE PartVec part_index(int part) {
+  return wide_load<kPart>(kGroupIndex + part * kPart) - wide_set<kPart>(1.0f);
+}
+
 /// Nine row accumulators of the stencil that consecutive particles share.
 struct StencilSums {
   PartVec row[3][3];
@@ -174,6 +192,40 @@ struct StencilSums {
   HWY_INLINE void clear() {
     for (auto& plane : row)
       for (PartVec& r : plane) r = wide_set<kPart>(0.0f);
+  }
+  /// Adds part `part` of w (p + A (x_i - centre)) and w m of one particle; without `kAffine` w p and
+  /// w m.
+  template <bool kAffine>
+  HWY_INLINE void add(const Weights& w, const Momentum& m, int l, int part, PartVec z_index) {
+    const PartVec wz = spread_part(w.wz[l & 3][l >> 2], part);
+    const auto add_node = [&](int i, int j, PartVec node) HWY_ATTR {
+      row[i][j] = wide_mul_add(wide_set<kPart>(w.wxy[3 * i + j][l]), node, row[i][j]);
+    };
+    if constexpr (kAffine) {
+      const PartVec X = wide_repeat4<kPart>(m.of(1, l)) * wz;
+      const PartVec Y = wide_repeat4<kPart>(m.of(2, l)) * wz;
+      const PartVec centre = wide_mul_add(wide_repeat4<kPart>(m.of(3, l)), z_index,
+                                          wide_repeat4<kPart>(m.of(0, l))) *
+                             wz;
+      for (int i = 0; i < 3; ++i) {
+        const PartVec plane = i == 0 ? centre - X : i == 1 ? centre : centre + X;
+        add_node(i, 0, plane - Y);
+        add_node(i, 1, plane);
+        add_node(i, 2, plane + Y);
+      }
+    } else {
+      const PartVec node = wide_repeat4<kPart>(m.of(0, l)) * wz;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) add_node(i, j, node);
+    }
+  }
+  /// Adds the sums to the nodes from `first` on, rows being so many floats apart along x and y.
+  HWY_INLINE void add_to(float* first, std::ptrdiff_t along_x, std::ptrdiff_t along_y) const {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        float* r = first + i * along_x + j * along_y;
+        wide_store_unaligned<kPart>(wide_load_unaligned<kPart>(r) + row[i][j], r);
+      }
   }
   /// Adds the sums to the tile; rows touched for the first time are cleared.
   HWY_INLINE void flush(float* nodes, int part, std::int32_t base, std::uint64_t& touched) const {
@@ -184,12 +236,7 @@ struct StencilSums {
       store(Lanes(0.0f), r);
       store(Lanes(0.0f), r + 16);
     }
-    float* b = nodes + std::size_t(base) * 4 + part * kPart;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        float* r = b + i * kPlane + j * kNodeRowFloats;
-        wide_store_unaligned<kPart>(wide_load_unaligned<kPart>(r) + row[i][j], r);
-      }
+    add_to(nodes + std::size_t(base) * 4 + part * kPart, kPlane, kNodeRowFloats);
   }
 };
 
@@ -198,13 +245,12 @@ struct StencilSums {
 template <bool kAffine>
 HWY_INLINE void scatter_part(const Weights* weights, const Momentum* momentum, int count, int part,
                              float* nodes, std::uint64_t& touched) {
-  const PartVec z_index = wide_load<kPart>(kGroupIndex + part * kPart) - wide_set<kPart>(1.0f);
+  const PartVec z_index = part_index(part);
   StencilSums sums;
   sums.clear();
   std::int32_t base = weights[0].base[0];
   for (int first = 0; first < count; first += 16) {
     const Weights& w = weights[first / 16];
-    const Momentum& m = momentum[first / 16];
     const int lanes = count - first < 16 ? count - first : 16;
     for (int l = 0; l < lanes; ++l) {
       if (w.base[l] != base) {
@@ -212,27 +258,7 @@ HWY_INLINE void scatter_part(const Weights* weights, const Momentum* momentum, i
         base = w.base[l];
         sums.clear();
       }
-      const PartVec wz = spread_part(w.wz[l & 3][l >> 2], part);
-      const auto add = [&](int i, int j, PartVec node) HWY_ATTR {
-        sums.row[i][j] = wide_mul_add(wide_set<kPart>(w.wxy[3 * i + j][l]), node, sums.row[i][j]);
-      };
-      if constexpr (kAffine) {
-        const PartVec X = wide_repeat4<kPart>(m.of(1, l)) * wz;
-        const PartVec Y = wide_repeat4<kPart>(m.of(2, l)) * wz;
-        const PartVec centre = wide_mul_add(wide_repeat4<kPart>(m.of(3, l)), z_index,
-                                            wide_repeat4<kPart>(m.of(0, l))) *
-                               wz;
-        for (int i = 0; i < 3; ++i) {
-          const PartVec plane = i == 0 ? centre - X : i == 1 ? centre : centre + X;
-          add(i, 0, plane - Y);
-          add(i, 1, plane);
-          add(i, 2, plane + Y);
-        }
-      } else {
-        const PartVec node = wide_repeat4<kPart>(m.of(0, l)) * wz;
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) add(i, j, node);
-      }
+      sums.add<kAffine>(w, momentum[first / 16], l, part, z_index);
     }
   }
   sums.flush(nodes, part, base, touched);

@@ -258,7 +258,8 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
       if (too_many(next)) return {Status::too_fast, -1, motion_.speed, true};
     }
     last = last || leg_ends(dt, next);
-    if (!islands_.empty() && !(dt * (motion_.speed + dt * gravity_.norm()) < dx_))
+    // What is not finite goes on, for the pass to find where.
+    if (!islands_.empty() && dt * (motion_.speed + dt * gravity_.norm()) >= dx_)
       return {Status::too_fast, -1, motion_.speed};
     if (last || !mesh_.empty())
       spare_.reserve(std::size_t(store_.tile_count()) *
@@ -321,6 +322,7 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
     if (fault.status != Status::ok && !stopped_) --frame_;
   }
   if (fault.status != Status::ok) {
+    if (!islands_.empty()) islands_.unpack(store_, motion());
     const Index suspected = fault.particle < 0 && !fault.tiny_step ? suspect() : fault.particle;
     restore(good_);
     // A value that was bad before the frame has spread by now.

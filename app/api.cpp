@@ -5,7 +5,7 @@
 #include "app/api_query.h"
 #include "app/frame_formats.h"
 #include "app/pixel_probe.h"
-#include "app/pull_tool.h"
+#include "app/api_pull.h"
 #include "app/version.h"
 #include "engine/core/error.h"
 #include "engine/mpm/energy_balance.h"

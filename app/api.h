@@ -1,7 +1,7 @@
 // The HTTP interface of a session: JSON in SI units, pictures, downloads.
 #pragma once
 
-#include "app/mesh_upload.h"
+#include "app/api_upload.h"
 #include "app/picture_service.h"
 #include "app/session.h"
 #include "web/server.h"

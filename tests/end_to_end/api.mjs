@@ -103,7 +103,7 @@ test("bad requests are refused with a problem that names the place", async () =>
 
 test("a spring pulls at what a probe finds, and is refused without a grip to move or with bad numbers", async () => {
   await server.send("POST", "/api/actions/reset");
-  await server.until((s) => s.frame === 0);
+  await server.until((s) => s.frame === 0 && s.status !== "preparing");
   await server.send("POST", "/api/actions/pause");
   const { body: look } = await server.get("/api/probe?x=0.4&y=0.5&w=640&h=360");
   assert.ok(look.matter, "there is matter in the middle");

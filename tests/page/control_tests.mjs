@@ -36,7 +36,7 @@ test("a dragged slider sends one change at a time and the newest wins", async ()
     const most = (Date.now() - start) / (120 + 50) + 2;
     assert.ok(run.patches.length <= most, `${run.patches.length} requests, ${most} have time`);
     assert.equal(run.most_patches_in_flight, 1);
-    const order = run.patches.map(({ seq }) => seq);
+    const order = run.patches.map((values) => Object.values(values)[0]);
     assert.deepEqual(
       order,
       [...order].sort((a, b) => a - b),

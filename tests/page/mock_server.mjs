@@ -116,10 +116,11 @@ async function answer_api(run, request, url, response) {
     return json(response, 200, { revision: run.revision, parameters: run.parameters });
   if (what === "PATCH /api/parameters") {
     run.most_patches_in_flight = Math.max(run.most_patches_in_flight, ++run.patches_in_flight);
-    const { seq, values } = JSON.parse(await body_of(request));
+    const { values, ...unknown } = JSON.parse(await body_of(request));
+    if (Object.keys(unknown).length) return json(response, 422, { title: "Unknown key", detail: `${Object.keys(unknown)}` });
     if (run.patch_ms) await new Promise((done) => setTimeout(done, run.patch_ms));
     run.patches_in_flight--;
-    run.patches.push({ seq, values });
+    run.patches.push(values);
     const bad = run.patch(values);
     if (bad.length)
       return json(response, 422, { title: "Bad value", detail: bad[0].detail, errors: bad });

@@ -6,7 +6,6 @@ const LEAST_GAP_MS = 50;
 export class PatchQueue {
   #waiting = new Map();
   #busy = false;
-  #seq = Date.now();
   #refused;
   #accepted;
 
@@ -32,7 +31,7 @@ export class PatchQueue {
       const values = Object.fromEntries(this.#waiting);
       this.#waiting.clear();
       try {
-        await send_json("PATCH", "/api/parameters", { seq: ++this.#seq, values });
+        await send_json("PATCH", "/api/parameters", { values });
         this.#accepted(Object.keys(values));
       } catch (error) {
         this.#refused(error, Object.keys(values));

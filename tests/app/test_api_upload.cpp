@@ -1,5 +1,5 @@
 // Mesh files from viewers: the scene that is made of them, refusals, and what is left on the disk.
-#include "app/mesh_upload.h"
+#include "app/api_upload.h"
 #include "engine/core/error.h"
 #include "engine/mesh/build_model.h"
 #include "tests/app/program.h"

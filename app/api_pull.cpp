@@ -1,5 +1,5 @@
 // The pull tool of a viewer.
-#include "app/pull_tool.h"
+#include "app/api_pull.h"
 
 #include "app/api_body.h"
 #include "engine/material/law_constants.h"

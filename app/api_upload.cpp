@@ -1,5 +1,5 @@
 // Mesh files that viewers send.
-#include "app/mesh_upload.h"
+#include "app/api_upload.h"
 
 #include "app/write_file.h"
 #include "engine/core/error.h"

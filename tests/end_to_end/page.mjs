@@ -20,8 +20,9 @@ const tests = spawn(process.execPath, ["run.mjs", process.argv[2] ?? "."], {
   env: { ...process.env, REND_URL: server.url },
   stdio: "inherit",
 });
-const [status] = await once(tests, "exit");
+const [status, signal] = await once(tests, "exit");
 const ended = await server.stop();
 await rm(folder, { recursive: true });
 if (ended.code !== 0) console.error(`the server ended with ${ended.code}: ${server.log}`);
-process.exit(status || ended.code);
+if (signal) console.error(`the tests were ended by ${signal}`);
+process.exit(status || (signal || ended.code !== 0 ? 1 : 0));

@@ -54,7 +54,7 @@ export async function picture_of(page, name) {
 }
 
 /// How many times longer to wait than usual: sanitizers slow the program down.
-const patience = Number(process.env.REND_TEST_PATIENCE ?? 1);
+export const patience = Number(process.env.REND_TEST_PATIENCE ?? 1);
 
 /// Waits until `check()` is true and says what was waited for when it never is.
 export async function until(what, check, milliseconds = 15000) {

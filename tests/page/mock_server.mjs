@@ -180,6 +180,11 @@ async function answer_page(url, response) {
   }
 }
 
+const open = new Set();
+
+/// Closes what failed tests left open, which would keep Node alive.
+export const close_mocks = () => Promise.all([...open].map((mock) => mock.close()));
+
 /// {url, run, close()}.
 export async function start_mock(options = {}) {
   const run = new MockRun(options);
@@ -196,15 +201,18 @@ export async function start_mock(options = {}) {
     });
   });
   await new Promise((ready) => server.listen(options.port ?? 0, "127.0.0.1", ready));
-  return {
+  const mock = {
     run,
     url: `http://127.0.0.1:${server.address().port}`,
     close() {
+      open.delete(mock);
       run.close();
       server.closeAllConnections();
       return new Promise((done) => server.close(done));
     },
   };
+  open.add(mock);
+  return mock;
 }
 
 if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href) {

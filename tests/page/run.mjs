@@ -3,7 +3,7 @@
 import { after, before, beforeEach, test } from "node:test";
 import { browser, real_url } from "./browser.mjs";
 import { core_tests } from "./core_tests.mjs";
-import { start_mock } from "./mock_server.mjs";
+import { close_mocks, start_mock } from "./mock_server.mjs";
 import { Watchdog } from "./watchdog.mjs";
 
 const SUITES = ["time", "control", "quantity", "tool", "link", "state"];
@@ -17,8 +17,8 @@ before(async () => {
 beforeEach(({ name }) => watchdog.hear(name));
 after(async () => {
   watchdog.hear("the end of all tests");
-  await mock?.close();
   await browser.close();
+  await close_mocks();
 });
 
 if (real_url) {

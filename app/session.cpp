@@ -306,7 +306,9 @@ void Session::start_pipeline() {
   pipeline_ = std::make_unique<Pipeline>(scene_, model_);
   recorded_bytes_ = 0;
   frames_to_step_ = 0;
+  bool plays = false;
   update([&](SessionState& s) {
+    plays = s.run == RunState::playing;
     recorded_.clear();
     s.first_frame = 0;
     s.last_frame = -1;
@@ -314,9 +316,9 @@ void Session::start_pipeline() {
     ++s.data;
     s.events.clear();
     s.message.clear();
-    if (s.run != RunState::playing) s.run = RunState::paused;
+    s.run = RunState::preparing;  // until there is a frame to look at
   });
-  record(pipeline_->current());
+  record(pipeline_->current(), plays ? RunState::playing : RunState::paused);
 }
 
 void Session::step_frame() {
@@ -341,7 +343,7 @@ void Session::step_frame() {
   });
 }
 
-void Session::record(Frame frame) {
+void Session::record(Frame frame, std::optional<RunState> then) {
   auto recorded = std::make_shared<RecordedFrame>();
   recorded->cost.post_seconds = frame.fracture.seconds;
   recorded->frame = std::move(frame);
@@ -353,6 +355,7 @@ void Session::record(Frame frame) {
     if (!recorded_.empty() && s.last_frame == number) recorded_.pop_back();
     recorded_.push_back(recorded);
     s.last_frame = number;
+    if (then) s.run = *then;
     s.events.insert(s.events.end(), events.begin(), events.end());
     while (recorded_bytes_ > kRecordingLimit && recorded_.size() > 2) {
       recorded_bytes_ -= bytes_of(*recorded_.front());

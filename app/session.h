@@ -108,7 +108,8 @@ class Session {
   void set_pull(const SetPull& set);
   void release_forgotten_pull();
   void step_frame();
-  void record(Frame frame);
+  /// `then` is what the run does from here on.
+  void record(Frame frame, std::optional<RunState> then = {});
   void remesh();
   void log(const std::string& json);
 

@@ -66,9 +66,9 @@ export class Gallery {
     const button = find(`.scene[data-name="${CSS.escape(name)}"]`);
     this.#playhead.play_when_ready = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     if (button) this.#select(name);
+    find("#upload-note").replaceChildren();
     try {
       await send_json("POST", "/api/scene", { name });
-      find("#upload-note").replaceChildren();
     } catch (error) {
       this.#playhead.play_when_ready = false;
       this.#toast(error.message);

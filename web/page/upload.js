@@ -10,7 +10,10 @@ export function watch_upload(gallery) {
     veil = find("#veil");
   find("#upload-button").hidden = false;
 
-  const say = (kind, title, text, ...more) =>
+  // Only the newest upload may write the note: an older one can end after it.
+  let newest = 0;
+  const say = (turn, kind, title, text, ...more) =>
+    turn === newest &&
     note.replaceChildren(
       make(
         "div",
@@ -23,10 +26,11 @@ export function watch_upload(gallery) {
 
   async function load(file) {
     if (!file) return;
+    const turn = ++newest;
     if (file.size > MOST_BYTES)
-      return say("refused", `${file.name} is too large.`, "At most 64 MB can be loaded.");
+      return say(turn, "refused", `${file.name} is too large.`, "At most 64 MB can be loaded.");
     const bar = make("progress", { max: 1, "aria-label": `Sending ${file.name}` });
-    say("", `Sending ${file.name}`, "", bar);
+    say(turn, "", `Sending ${file.name}`, "", bar);
     try {
       const { name, notes = [] } = await send_file(
         `/api/meshes?name=${encodeURIComponent(file.name)}`,
@@ -38,10 +42,10 @@ export function watch_upload(gallery) {
       );
       await gallery.load();
       if (gallery.names().includes(name)) await gallery.open(name);
-      if (notes.length) say("", `${file.name} is loaded.`, notes.join(" "));
-      else note.replaceChildren();
+      if (notes.length) say(turn, "", `${file.name} is loaded.`, notes.join(" "));
+      else if (turn === newest) note.replaceChildren();
     } catch (error) {
-      say("refused", `${file.name} was not taken.`, error.message);
+      say(turn, "refused", `${file.name} was not taken.`, error.message);
     }
   }
 

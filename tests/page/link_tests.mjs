@@ -1,7 +1,7 @@
 // Links: what is seen goes into the address and comes back from it.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { open_page, until } from "./browser.mjs";
+import { open_page, until, settled } from "./browser.mjs";
 import { start_mock } from "./mock_server.mjs";
 
 test("a copied link holds scene, values, view and frame, and opens them again", async () => {
@@ -15,8 +15,13 @@ test("a copied link holds scene, values, view and frame, and opens them again", 
   await first.page.locator("#color").selectOption("stress");
   await first.page.locator("#scrub").fill("31");
   await first.page.locator("#picture").focus();
+  const before = run.frame_requests.at(-1)?.eye;
   await first.page.keyboard.press("ArrowLeft");
-  await until("the turned view", () => run.frame_requests.at(-1).color === "stress");
+  await until("the turned view", () => {
+    const last = run.frame_requests.at(-1);
+    return last.color === "stress" && last.eye !== before;
+  });
+  await settled(first.page, 800);
   const { eye } = run.frame_requests.at(-1);
   await first.page.locator("#link-button").click();
   await until("an address", async () => first.page.url().includes("#scene=twist"));

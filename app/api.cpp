@@ -2,10 +2,10 @@
 #include "app/api.h"
 
 #include "app/api_body.h"
+#include "app/api_pull.h"
 #include "app/api_query.h"
 #include "app/frame_formats.h"
 #include "app/pixel_probe.h"
-#include "app/api_pull.h"
 #include "app/version.h"
 #include "engine/core/error.h"
 #include "engine/mpm/energy_balance.h"
@@ -52,7 +52,7 @@ json state_json(const SessionState& s, const Session& session, const PictureServ
                    {"fov", scene.camera.fov}};
   out["view"] = {{"color", scene.render.color_by},
                  {"mode", scene.render.particles ? "particles" : "surface"}};
-  const Grip grip = suitable_grip(scene, *s.model);
+  const Grip grip = suitable_grip(*s.stage);
   out["grip"] = {{"radius", grip.radius}, {"strength", grip.strength}};
   out["pull"] = pull_json(s.pull);
   const auto newest = session.frame(-1);

@@ -30,13 +30,8 @@ Real two_digits(Real value) {
 
 }  // namespace
 
-Grip suitable_grip(const SceneDesc& scene, const Model& model) {
-  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
-  for (const Vec3& x : model.X) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const Real size = model.X.empty() ? 1 : (high - low).norm();
+Grip suitable_grip(const Stage& stage) {
+  const SceneDesc& scene = stage.scene;
   Real bears = 0;
   for (const MaterialDesc& m : scene.materials) {
     const Real elastic = kElasticStrain * m.youngs_modulus;
@@ -45,7 +40,7 @@ Grip suitable_grip(const SceneDesc& scene, const Model& model) {
         std::max(bears, yields ? std::min(elastic, initial_threshold(m.yield_surface)) : elastic);
   }
   Grip grip;
-  grip.radius = two_digits(std::max(kRadiusShare * size, 2 * scene.grid.dx));
+  grip.radius = two_digits(std::max(kRadiusShare * stage.size, 2 * scene.grid.dx));
   grip.strength =
       two_digits(kStrengthFactor * std::numbers::pi * grip.radius * grip.radius * bears);
   return grip;

@@ -12,7 +12,7 @@ struct Grip {
   Real radius = 0;    ///< [m]
   Real strength = 0;  ///< [N], one and a half times what the grip's cross-section bears
 };
-Grip suitable_grip(const SceneDesc& scene, const Model& model);
+Grip suitable_grip(const Stage& stage);
 
 /// {"at", "target", "radius", "strength"} begins a spring from `at` to `target`, {"target",
 /// "radius", "strength"} moves the one that acts, {"at", "force", "radius"} is a constant force,

@@ -99,8 +99,14 @@ const std::vector<std::string>& color_names() {
 }
 
 Stage make_stage(const SceneDesc& scene, const Model& model) {
-  Stage stage{scene, 0, 0};
+  Stage stage{scene, 0, 0, 1};
   for (Real h : model.spacing) stage.spacing = std::max(stage.spacing, h);
+  Vec3 low = Vec3::Constant(std::numeric_limits<Real>::infinity()), high = -low;
+  for (const Vec3& x : model.X) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  if (!model.X.empty()) stage.size = (high - low).norm();
   if (scene.render.floor) {
     stage.floor = *scene.render.floor;
     return stage;
@@ -110,9 +116,7 @@ Stage make_stage(const SceneDesc& scene, const Model& model) {
       stage.floor = collider.motion.front().position.y();
       return stage;
     }
-  Real lowest = std::numeric_limits<Real>::infinity();
-  for (const Vec3& x : model.X) lowest = std::min(lowest, x.y());
-  stage.floor = model.X.empty() ? 0 : lowest - 2 * stage.spacing;
+  stage.floor = model.X.empty() ? 0 : low.y() - 2 * stage.spacing;
   return stage;
 }
 

@@ -34,6 +34,7 @@ struct Stage {
   SceneDesc scene;
   Real floor = 0;    ///< height of the studio floor [m]
   Real spacing = 0;  ///< typical distance of particles [m]
+  Real size = 1;     ///< diagonal of all matter at rest [m]
 };
 
 /// The floor is where the scene says, else a horizontal plane collider, else just below the matter at rest.

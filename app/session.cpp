@@ -306,19 +306,7 @@ void Session::start_pipeline() {
   pipeline_ = std::make_unique<Pipeline>(scene_, model_);
   recorded_bytes_ = 0;
   frames_to_step_ = 0;
-  bool plays = false;
-  update([&](SessionState& s) {
-    plays = s.run == RunState::playing;
-    recorded_.clear();
-    s.first_frame = 0;
-    s.last_frame = -1;
-    s.pull = {};
-    ++s.data;
-    s.events.clear();
-    s.message.clear();
-    s.run = RunState::preparing;  // until there is a frame to look at
-  });
-  record(pipeline_->current(), plays ? RunState::playing : RunState::paused);
+  record(pipeline_->current(), Recording::anew);
 }
 
 void Session::step_frame() {
@@ -343,19 +331,28 @@ void Session::step_frame() {
   });
 }
 
-void Session::record(Frame frame, std::optional<RunState> then) {
+void Session::record(Frame frame, Recording how) {
   auto recorded = std::make_shared<RecordedFrame>();
   recorded->cost.post_seconds = frame.fracture.seconds;
   recorded->frame = std::move(frame);
-  const RecordedFrame* before = recorded_.empty() ? nullptr : recorded_.back().get();
+  const bool anew = how == Recording::anew;
+  const RecordedFrame* before = anew || recorded_.empty() ? nullptr : recorded_.back().get();
   const std::vector<Event> events = new_events(before, recorded->frame);
   recorded_bytes_ += bytes_of(*recorded);
   update([&](SessionState& s) {
+    if (anew) {
+      recorded_.clear();
+      s.first_frame = 0;
+      s.pull = {};
+      ++s.data;
+      s.events.clear();
+      s.message.clear();
+      if (s.run != RunState::playing) s.run = RunState::paused;
+    }
     const Index number = recorded->frame.snapshot->frame;
     if (!recorded_.empty() && s.last_frame == number) recorded_.pop_back();
     recorded_.push_back(recorded);
     s.last_frame = number;
-    if (then) s.run = *then;
     s.events.insert(s.events.end(), events.begin(), events.end());
     while (recorded_bytes_ > kRecordingLimit && recorded_.size() > 2) {
       recorded_bytes_ -= bytes_of(*recorded_.front());

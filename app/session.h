@@ -108,8 +108,9 @@ class Session {
   void set_pull(const SetPull& set);
   void release_forgotten_pull();
   void step_frame();
-  /// `then` is what the run does from here on.
-  void record(Frame frame, std::optional<RunState> then = {});
+  /// With `anew` the frames so far go in the same moment: there is never a run without a frame.
+  enum class Recording { on, anew };
+  void record(Frame frame, Recording how = Recording::on);
   void remesh();
   void log(const std::string& json);
 

@@ -92,6 +92,7 @@ void CrackMesh::mark_near(Index particle) {
 void CrackMesh::break_edges(std::span<const Index> edges, Index frame) {
   changed_.clear();
   born_centres_.clear();
+  const auto known_near = static_cast<std::ptrdiff_t>(near_.size());
   for (Index e : edges)
     if (!broken(e)) open_edge(e, frame);
   // Ends of tips are given back before new centres are made, so that their numbers are used again
@@ -108,6 +109,9 @@ void CrackMesh::break_edges(std::span<const Index> edges, Index frame) {
     for (int f = 0; f < 4; ++f)
       if (const Index face = tables_->skin_face(cracked_[r].tet, f); face >= 0) emit_skin(face);
   }
+  // Ascending, so that every frame walks through the particles in the order of their memory.
+  std::sort(near_.begin() + known_near, near_.end());
+  std::inplace_merge(near_.begin(), near_.begin() + known_near, near_.end());
   if (triangles_.size() > 4096 && 2 * static_cast<std::size_t>(live_triangles_) < triangles_.size())
     compact_triangles();
 }

@@ -107,9 +107,8 @@ class CrackMesh {
   const std::vector<SkinCut>& skin_cuts() const { return skin_; }
   const std::vector<CutTriangle>& triangles() const { return triangles_; }
   const std::vector<Index>& free_copies() const { return free_copies_; }
-  const std::vector<Index>& near_crack() const {
-    return near_;
-  }  ///< particles that carry copies by rotation
+  /// Particles that carry copies by rotation, ascending.
+  const std::vector<Index>& near_crack() const { return near_; }
   Index cracked_of_tet(Index tet) const { return cracked_of_tet_[tet]; }
   /// Records of tets whose mask grew in the last call of break_edges.
   const std::vector<Index>& changed() const { return changed_; }

@@ -15,6 +15,7 @@ namespace {
 
 constexpr Index grain = 4096;
 constexpr std::size_t ahead = 8;  // tets to fetch in advance
+constexpr Index carriers_ahead = 8;
 // |sum of normals| / sum of |normals| below which a vertex lies on a fold: skin at about 74
 // degrees, crack faces, which would look like confetti, only where they nearly turn back.
 constexpr float skin_fold = 0.8f, crack_fold = 0.45f;
@@ -133,6 +134,16 @@ class Builder {
                    Eigen::Vector4f::Zero()};
   }
 
+  void prefetch_carriers(const VertexCopy& copy) const {
+    for (const Index p : copy.member) {
+      if (p < 0) return;
+      const auto* carrier =
+          reinterpret_cast<const char*>(&carriers_[std::max(rotations_.slot(p), 0)]);
+      __builtin_prefetch(carrier);
+      __builtin_prefetch(carrier + 64);
+    }
+  }
+
   void place_copies() {
     const auto& near = crack_.near_crack();
     carriers_ = std::make_unique_for_overwrite<Carrier[]>(
@@ -144,7 +155,9 @@ class Builder {
           R, now_.x[p] - R * tables_.X[p], damage(p), stress(p), speed(p), nearness(p)};
     });
     const auto& copies = crack_.copies();
-    parallel_for(static_cast<Index>(copies.size()), grain, [&](Index c) {
+    const auto count = static_cast<Index>(copies.size());
+    parallel_for(count, grain, [&](Index c) {
+      if (c + carriers_ahead < count) prefetch_carriers(copies[c + carriers_ahead]);
       const VertexCopy& copy = copies[c];
       const Index v = vertex(skin_vertices_ + c);
       if (v < 0) return;

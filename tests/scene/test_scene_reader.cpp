@@ -162,7 +162,7 @@ TEST_CASE("every scene of the repository parses and survives a round trip") {
       // Without the set-up step a mesh may be missing; that and nothing else is allowed here.
       REQUIRE(error.why().find("cannot find the mesh") != std::string::npos);
       REQUIRE_FALSE(fs::exists(kModels[0] / "models" / ".unpacked"));
-      MESSAGE("skipped: " << error.what());
+      MESSAGE("skipped: " << std::string(error.what()));
       continue;
     }
     CHECK(scene.name == entry.path().stem().string());

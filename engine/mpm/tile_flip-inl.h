@@ -59,9 +59,9 @@ HWY_INLINE void gather_changes(const float* nodes, const Weights& w, int count, 
 
 /// Stored velocities become those that steps go on from; pad lanes, whose motion nobody keeps,
 /// follow the last particle.
-HWY_INLINE void keep_velocity(const float v[3][16], int count, float* own) {
-  for (int a = 0; a < 3; ++a, own += kLanes) {
-    store(load(v[a]), own);
+HWY_INLINE void keep_velocity(const float* v, int count, float* own) {
+  for (int a = 0; a < 3; ++a, v += kLanes, own += kLanes) {
+    store(load(v), own);
     for (int l = count; l < kLanes; ++l) own[l] = own[count - 1];
   }
 }

@@ -42,8 +42,8 @@ HWY_INLINE void add_row(int oz, const float* row, float* to) {
   }
 }
 
-/// v = p / m + dt g on every touched row, with FLIP (p + J) / m + dt g and J / m + dt g; the sums
-/// run over particle blocks in the order of `sources`.
+/// v = p / m + dt g on every touched row, with FLIP (p + J) / m + dt g and J / m + dt g, p and v
+/// without the common velocity; the sums run over particle blocks in the order of `sources`.
 template <bool kFlip>
 HWY_NOINLINE void grid_block(GridTask& task) {
   const FlushDenormals flush;
@@ -66,7 +66,7 @@ HWY_NOINLINE void grid_block(GridTask& task) {
         add_row(oz, from + kNodeRowFloats, sum + kGridBlockFloats + place * kLanes);
     }
   }
-  const Lanes gain = repeat4(task.velocity_gain);
+  const Lanes gain = repeat4(task.velocity_gain), common = repeat4(task.common_velocity);
   Lanes fastest(0.0f);
   for (std::uint32_t m = touched; m; m &= m - 1) {
     const int place = __builtin_ctz(m);
@@ -80,7 +80,7 @@ HWY_NOINLINE void grid_block(GridTask& task) {
     } else {
       velocity = node / max(last_of_four(node), Lanes(1e-20f)) + gain;
     }
-    fastest = max(fastest, replace_last_of_four(abs(velocity), Lanes(0.0f)));
+    fastest = max(fastest, replace_last_of_four(abs(velocity + common), Lanes(0.0f)));
     store(replace_last_of_four(velocity, node), task.nodes + place * kLanes);
   }
   task.touched = touched;

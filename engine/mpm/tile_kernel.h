@@ -54,6 +54,9 @@ struct StepConstants {
   float affine_keep = 1;    ///< particles carry keep C + swap C^T; stored C is that already
   float affine_swap = 0;
   float flip_ratio = 0;  ///< read by the FLIP kernels alone
+  /// Velocities of nodes, and momenta on the way there, are relative to this one, which much of the
+  /// matter has in common: then rounding takes its share of the differences only [cells/s].
+  float common_velocity[4] = {0, 0, 0, 0};
 };
 
 /// A run of particles of one material in one block; 16 to a tile, the last tile padded.
@@ -138,11 +141,13 @@ struct GridTask {
   const RowSource* sources = nullptr;
   std::int32_t source_count = 0;
   const RowsOfBlock* blocks = nullptr;
-  float velocity_gain[4] = {0, 0, 0, 0};  ///< dt g [cells/s]
-  /// out: kGridBlockFloats; with FLIP as many more, the change of the velocities in this step
+  float velocity_gain[4] = {0, 0, 0, 0};    ///< dt g [cells/s]
+  float common_velocity[4] = {0, 0, 0, 0};  ///< see StepConstants
+  /// out: kGridBlockFloats, velocities without the common one; with FLIP as many more, the change
+  /// of the velocities in this step
   float* nodes = nullptr;
   std::uint32_t touched = 0;  ///< out: bit 4 x + y of every row with mass
-  float max_speed = 0;        ///< out: largest velocity component [cells/s]
+  float max_speed = 0;        ///< out: largest velocity component, the common one added [cells/s]
 };
 
 /// The passes over particles: scatter stored motion; gather, respond and scatter; gather, respond

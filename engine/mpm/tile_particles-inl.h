@@ -176,16 +176,19 @@ HWY_INLINE void move_vertices(Lanes dt, const Lanes* v, float* tile) {
   }
 }
 
-/// After the gather: moves the particles, pushes the strain forward, keeps v and C in work.
+/// After the gather: moves the particles, pushes the strain forward, keeps v, without the common
+/// velocity, and C in work.
 template <Pass kPass, bool kFlip>
 HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, bool on_mesh,
                           float* tile, float* motion, int t, WorkOf<kFlip>& work,
                           LaneExtremes& extremes) {
-  Lanes v[4], G[3][4], x[3], offset[3], C[9];
-  transpose_gathered(work.gathered[t], v, G);
+  Lanes relative[4], G[3][4], x[3], offset[3], C[9], v[3];
+  transpose_gathered(work.gathered[t], relative, G);
   for (int a = 0; a < 3; ++a) offset[a] = load(work.offset[t][a]);
   for (int b = 0; b < 3; ++b)
-    for (int a = 0; a < 3; ++a) C[3 * a + b] = Lanes(4.0f) * neg_mul_add(offset[b], v[a], G[b][a]);
+    for (int a = 0; a < 3; ++a)
+      C[3 * a + b] = Lanes(4.0f) * neg_mul_add(offset[b], relative[a], G[b][a]);
+  for (int a = 0; a < 3; ++a) v[a] = relative[a] + Lanes(step.common_velocity[a]);
   const Lanes dt(step.dt);
   if (meets_mesh(kPass) && on_mesh) move_vertices(dt, v, tile);
   for (int a = 0; a < 3; ++a) {
@@ -202,11 +205,12 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, bool
   if constexpr (kFlip) {
     extremes.add_speed(v);
     blend_flip(step.flip_ratio, work.changes[t], tile + step.layout.velocity * kLanes, v);
+    for (int a = 0; a < 3; ++a) relative[a] = v[a] - Lanes(step.common_velocity[a]);
   }
   extremes.add(v, C);
   if (!(meets_mesh(kPass) && on_mesh)) push_strain(dt, C, tile);
   if constexpr (kPass == Pass::fused) {
-    for (int a = 0; a < 3; ++a) store(v[a], work.v[t][a]);
+    for (int a = 0; a < 3; ++a) store(relative[a], work.v[t][a]);
     if constexpr (!kFlip)
       for (int i = 0; i < 9; ++i) store(C[i], work.C[t][i]);
     stencil_weights<Transfers::scatter>(x, offset, work.weights[t]);
@@ -217,8 +221,8 @@ HWY_INLINE void move_tile(const StepConstants& step, const BlockTask& task, bool
   }
 }
 
-/// Momentum of sixteen particles with its affine part and the impulse of the stress until the next
-/// grid step.
+/// Momentum, without the common velocity, of sixteen particles with its affine part and the impulse
+/// of the stress until the next grid step.
 HWY_INLINE void pack_tile(const StepConstants& step, float density, const float* tile, int t,
                           Work& work) {
   Lanes v[3], offset[3], A[9];
@@ -258,8 +262,9 @@ HWY_INLINE void weigh_tile(const float* tile, int t, Work& work) {
   for (int a = 0; a < 3; ++a) store(offset[a], work.offset[t][a]);
 }
 
-HWY_INLINE void load_motion(const float* motion, int t, Work& work) {
-  for (int a = 0; a < 3; ++a) store(load(motion + a * kLanes), work.v[t][a]);
+HWY_INLINE void load_motion(const StepConstants& step, const float* motion, int t, Work& work) {
+  for (int a = 0; a < 3; ++a)
+    store(load(motion + a * kLanes) - Lanes(step.common_velocity[a]), work.v[t][a]);
   for (int i = 0; i < 9; ++i) store(load(motion + (3 + i) * kLanes), work.C[t][i]);
 }
 
@@ -298,9 +303,9 @@ HWY_NOINLINE void particle_block(const StepConstants& step, BlockTask& task) {
       for (int t = 0; t < tiles; ++t) weigh_tile<kFirst>(begin + t * tile_floats, t, work);
       if constexpr (!gathers(kPass)) {
         for (int t = 0; t < tiles; ++t) {
-          load_motion(motion + t * kMotionFloats, t, work);
+          load_motion(step, motion + t * kMotionFloats, t, work);
           if constexpr (kFlip)
-            keep_velocity(work.v[t], count - t * kLanes,
+            keep_velocity(motion + t * kMotionFloats, count - t * kLanes,
                           begin + t * tile_floats + step.layout.velocity * kLanes);
         }
         if (meets_mesh(kPass) && material.on_mesh)

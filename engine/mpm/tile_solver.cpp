@@ -227,6 +227,8 @@ void TileSolver::end_leg() {
 Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, FrameReport& report) {
   const auto too_many = [&](Real dt) { return !((end - begin) / dt < kMostSteps); };
   begin_leg(end - time_);
+  common_velocity_ = (report_.momentum / (report_.mass * dx_)).cast<float>();
+  if (!common_velocity_.allFinite()) common_velocity_.setZero();
   Real dt = choose_time_step(scene_.solver, dx_, motion_, end - time_);
   if (too_many(dt)) return {Status::too_fast, -1, motion_.speed, true};
   every_particle(Pass::scatter, step_constants(Pass::scatter, 0, dt), dt);

@@ -195,6 +195,7 @@ class TileSolver : public Solver {
   Vec3 gravity_;
   PullForce pull_;
   NodeRule node_rule_;
+  Vec3f common_velocity_ = Vec3f::Zero();  ///< of the leg, see StepConstants [cells/s]
   Real time_ = 0;
   EnergyBalance balance_;
   Index frame_ = 0;

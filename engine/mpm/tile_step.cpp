@@ -25,6 +25,7 @@ StepConstants TileSolver::step_constants(Pass pass, Real dt, Real next_dt) const
   step.layout = store_.layout();
   step.dt = static_cast<float>(dt);
   step.stress_factor = static_cast<float>(-4 * next_dt / (density_ * dx_ * dx_));
+  for (int a = 0; a < 3; ++a) step.common_velocity[a] = common_velocity_[a];
   if (pass == Pass::scatter) return step;
   const Real r = scene_.solver.rpic_blend;
   switch (scene_.solver.transfer) {
@@ -203,7 +204,10 @@ Real TileSolver::grid_pass(Real dt) {
   std::vector<std::uint32_t> touched(static_cast<std::size_t>(grid_.count()));
   Fastest fastest = ordered_sum(grid_.count(), 8, Fastest(), [&](Index g) {
     GridTask task = grid_.task(g);
-    for (int a = 0; a < 3; ++a) task.velocity_gain[a] = static_cast<float>(gain[a]);
+    for (int a = 0; a < 3; ++a) {
+      task.velocity_gain[a] = static_cast<float>(gain[a]);
+      task.common_velocity[a] = common_velocity_[a];
+    }
     kernels_->grid[is_flip()](task);
     touched[static_cast<std::size_t>(g)] = task.touched;
     return Fastest{task.max_speed};
@@ -214,6 +218,10 @@ Real TileSolver::grid_pass(Real dt) {
   if (loads.none()) return fastest.finite ? fastest.speed : std::nan("");
 
   const Real node_mass = density_ * dx_ * dx_ * dx_;
+  const Vec3 common = common_velocity_.cast<Real>();
+  const auto velocity = [&](const float* node) {
+    return Vec3(dx_ * (Vec3(node[0], node[1], node[2]) + common));
+  };
   const auto each_node = [&](Index g, auto&& visit) {
     const Vec3 origin = 4.0 * dx_ * grid_.coord(g).cast<Real>();
     float* node = grid_.nodes(g);
@@ -227,8 +235,7 @@ Real TileSolver::grid_pass(Real dt) {
                                  [&](Index g) {
                                    PulledMatter sum;
                                    each_node(g, [&](const Vec3& x, Real m, const float* node) {
-                                     sum +=
-                                         loads.pulled(x, m, dx_ * Vec3(node[0], node[1], node[2]));
+                                     sum += loads.pulled(x, m, velocity(node));
                                    });
                                    return sum;
                                  }),
@@ -249,12 +256,12 @@ Real TileSolver::grid_pass(Real dt) {
     const NodeLoads::Near near = loads.near(centre, radius);
     if (near.none()) return out;
     each_node(g, [&](const Vec3& x, Real m, float* node) {
-      const Vec3 v = dx_ * Vec3(node[0], node[1], node[2]);
+      const Vec3 v = velocity(node);
       const Vec3 after = loads.apply(near, x, m, dt, v, out.work);
       for (int a = 0; a < 3; ++a) {
         if (is_flip()) node[kGridBlockFloats + a] += static_cast<float>((after[a] - v[a]) / dx_);
-        node[a] = static_cast<float>(after[a] / dx_);
-        out.fastest += {std::abs(node[a])};
+        node[a] = static_cast<float>(after[a] / dx_ - common[a]);
+        out.fastest += {std::abs(node[a] + common_velocity_[a])};
       }
     });
     return out;

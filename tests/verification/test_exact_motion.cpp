@@ -84,7 +84,7 @@ TEST_CASE("1000 steps keep momentum, and angular momentum with affine velocities
                           method_name(solver), force == ForceKind::mesh ? "mesh" : "particle",
                           d.momentum, d.spin));
       CAPTURE(method_name(solver));
-      CHECK(d.momentum < (rounded ? 1e-6 : 1e-12));
+      CHECK(d.momentum < (rounded ? 5e-7 : 1e-12));
       if (keeps_spin(solver.transfer)) CHECK(d.spin < (rounded ? 1e-5 : 1e-12));
     }
 }
@@ -106,8 +106,24 @@ TEST_CASE("the drift of momentum in float over the number of particles" *
       const Drift d = drift(scene, body.model);
       MESSAGE(fmt::format("{:28} {} particles: momentum {:.1e}", method_name(scene.solver),
                           body.model.X.size(), d.momentum));
-      CHECK(d.momentum < (transfer == Transfer::flip ? 2e-7 : 1.2e-6));
+      CHECK(d.momentum < (transfer == Transfer::apic && scale == 1 ? 5e-7 : 1e-7));
     }
+}
+
+TEST_CASE("a body that flies freely keeps its velocity to the last bit in float") {
+  for (Transfer transfer : {Transfer::pic, Transfer::flip, Transfer::apic, Transfer::rpic}) {
+    SceneDesc scene = plain_scene();
+    scene.solver = method(transfer, Kernel::quadratic, ForceForm::mls, Precision::float32);
+    scene.solver.time_step = 0.02;
+    // Rounding to the nearest number below 1, where they lie closer, than above would be a trend.
+    const Vec3 v0(1, -0.3, 0.7);
+    LatticeModel body;
+    body.add_box(Vec3::Zero(), Vec3i(8, 6, 4), 0.5, v0, 0.3);
+    Trial trial(scene, body.model);
+    for (int frame = 0; frame < 4; ++frame) REQUIRE(trial->advance(2).status == Status::ok);
+    CAPTURE(method_name(scene.solver));
+    for (const Vec3f& v : trial->snapshot().v) CHECK((v - v0.cast<float>()).norm() == 0);
+  }
 }
 
 TEST_CASE("V15 free fall: x0 + v0 t + g t (t + dt) / 2") {
@@ -124,11 +140,12 @@ TEST_CASE("V15 free fall: x0 + v0 t + g t (t + dt) / 2") {
     const Real t = 0.8, dt = 0.004;
     const Vec3 path = v0 * t + scene.gravity * t * (t + dt) / 2;
     const Matter now = trial.matter();
+    // In float, 200 steps round positions to 1e-7 cells, all particles the same way.
     Real worst = 0;
     for (std::size_t p = 0; p < now.x.size(); ++p)
       worst = std::max(worst, (now.x[p] - body.model.X[p] - path).norm() / path.norm());
     CAPTURE(method_name(solver));
-    CHECK(worst < (solver.precision == Precision::float32 ? 3e-6 : 1e-12));
+    CHECK(worst < (solver.precision == Precision::float32 ? 6e-6 : 1e-12));
   }
 }
 

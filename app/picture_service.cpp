@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 namespace rend {
 
@@ -125,6 +126,8 @@ void PictureService::run(GlBackend backend) {
       last_encode_seconds_ = picture->encode_seconds;
     } catch (const Error& error) {
       failure = error.what();
+    } catch (const std::bad_alloc&) {
+      failure = "not enough memory for this picture; ask for a smaller one";
     }
     {
       const std::lock_guard lock(mutex_);

@@ -143,16 +143,35 @@ void Session::run() {
       wake_.wait(lock, [&] { return quit_ || !queue_.empty() || scene_to_load_ || restart_needed_ || wants_step(); });
       if (quit_) return;
     }
-    apply_queue();
-    if (scene_to_load_) {
-      const std::string name = *std::exchange(scene_to_load_, std::nullopt);
-      prepare(name);
-    } else if (restart_needed_) {
-      start_pipeline();
+    try {
+      work();
+    } catch (const Error& error) {
+      stop(error.what());
+    } catch (const std::bad_alloc&) {
+      stop("not enough memory for this scene; choose a larger grid.dx or fewer particles_per_cell");
     }
-    if (remesh_needed_) remesh();
-    if (pipeline_ && wants_step()) step_frame();
   }
+}
+
+void Session::work() {
+  apply_queue();
+  if (scene_to_load_) {
+    const std::string name = *std::exchange(scene_to_load_, std::nullopt);
+    prepare(name);
+  } else if (restart_needed_) {
+    start_pipeline();
+  }
+  if (remesh_needed_) remesh();
+  if (pipeline_ && wants_step()) step_frame();
+}
+
+void Session::stop(const std::string& message) {
+  restart_needed_ = remesh_needed_ = false;
+  frames_to_step_ = 0;
+  update([&](SessionState& s) {
+    s.run = RunState::stopped;
+    s.message = message;
+  });
 }
 
 void Session::apply_queue() {
@@ -260,12 +279,6 @@ void Session::prepare(const std::string& name) {
     s.progress_stage = "reading";
     s.progress_share = 0;
   });
-  const auto fail = [&](const std::string& message) {
-    update([&](SessionState& s) {
-      s.run = RunState::stopped;
-      s.message = message;
-    });
-  };
   try {
     const SceneDesc scene = library_.read(name);
     auto model = std::make_shared<Model>(build_model(scene, kModelLimit, [&](const char* stage, double share) {
@@ -289,14 +302,9 @@ void Session::prepare(const std::string& name) {
       s.loaded = std::make_shared<SceneDesc>(scene_);
       s.controls = make_controls(scene_);
       s.notes = model_->notes;
-      s.run = RunState::paused;
     });
     start_pipeline();
   } catch (const Abandoned&) {
-  } catch (const Error& error) {
-    fail(error.what());
-  } catch (const std::bad_alloc&) {
-    fail("not enough memory for this scene; choose a larger grid.dx or fewer particles_per_cell");
   }
 }
 

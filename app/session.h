@@ -99,6 +99,8 @@ class Session {
 
  private:
   void run();
+  void work();
+  void stop(const std::string& message);
   bool wants_step() const { return state_.run == RunState::playing || frames_to_step_ > 0; }
   void apply_queue();
   void apply(const Command& command);

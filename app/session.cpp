@@ -227,6 +227,8 @@ void Session::set_pull(const SetPull& set) {
   if (set.keeps_grip) {
     if (!pipeline_->pull().is_spring()) return;
     pull.at = pipeline_->pull().at;
+    pull.velocity = pipeline_->pull().velocity;
+    pull.acted = pipeline_->pull().acted;
   }
   pipeline_->set_pull(pull);
   pull_heard_ = std::chrono::steady_clock::now();

@@ -23,14 +23,15 @@ Real NodeLoads::falloff(const Vec3& x) const {
 }
 
 PulledMatter NodeLoads::pulled(const Vec3& x, Real mass, const Vec3& v) const {
-  const Real share = mass * falloff(x);
-  return {share, share * v};
+  const Real share = falloff(x);
+  return {mass * share, mass * share * share, mass * share * v};
 }
 
-void NodeLoads::set_pulled(const PulledMatter& matter, Real dt, PullForce& pull) {
+Real NodeLoads::set_pulled(const PulledMatter& matter, Real dt, PullForce& pull) {
   pulled_mass_ = matter.mass;
   advance_spring(pull, matter, dt);
   pull_.force = pull.force;
+  return work_of_pull(pull, matter, dt);
 }
 
 NodeLoads::Near NodeLoads::near(const Vec3& centre, Real radius) const {
@@ -51,11 +52,7 @@ bool NodeLoads::meets(const Near& near, const Vec3& x) const {
 
 Vec3 NodeLoads::apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v,
                       NodeWork& work) const {
-  if (near.pull) {
-    const Vec3 kick = dt / pulled_mass_ * falloff(x) * pull_.force;
-    work.external += mass * kick.dot(v + 0.5 * kick);
-    v += kick;
-  }
+  if (near.pull) v += dt / pulled_mass_ * falloff(x) * pull_.force;
   for (const PosedCollider* c : near.colliders) {
     const Distance distance = distance_to(c->desc->shape, c->pose.to_local(x));
     if (distance.value > 0) continue;

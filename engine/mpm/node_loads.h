@@ -23,11 +23,10 @@ class NodeLoads {
 
   /// Share (0..1) of the pull at a point, (1 - r^2/R^2)^2 inside the radius.
   Real falloff(const Vec3& x) const;
-  /// What the pull acts on: m falloff(x) (1, v) of a node of mass m [kg] and velocity v, to be
-  /// summed.
+  /// What the pull acts on, to be summed over nodes of mass m [kg] and velocity v.
   PulledMatter pulled(const Vec3& x, Real mass, const Vec3& v) const;
-  /// Lets the pull act on this matter in a step dt [s]; `pull` keeps how a spring goes on.
-  void set_pulled(const PulledMatter& matter, Real dt, PullForce& pull);
+  /// Lets the pull act on this matter in a step dt [s]; `pull` keeps how it goes on. Its work [J].
+  Real set_pulled(const PulledMatter& matter, Real dt, PullForce& pull);
   /// Marks the pull as holding something, where only its place matters.
   void assume_pulled() { pulled_mass_ = 1; }
 
@@ -43,8 +42,8 @@ class NodeLoads {
   /// Whether a point is inside one of these colliders.
   bool meets(const Near& near, const Vec3& x) const;
 
-  /// Velocity of a node of mass m [kg] at x after pull, contact and rule; adds their work [J] to
-  /// `work`.
+  /// Velocity of a node of mass m [kg] at x after pull, contact and rule; adds the work [J] of the
+  /// last two to `work`.
   Vec3 apply(const Near& near, const Vec3& x, Real mass, Real dt, Vec3 v, NodeWork& work) const;
 
  private:

@@ -21,4 +21,16 @@ void advance_spring(PullForce& pull, const PulledMatter& matter, Real dt) {
   if (size > pull.strongest) pull.force *= pull.strongest / size;
 }
 
+Real work_of_pull(PullForce& pull, const PulledMatter& matter, Real dt) {
+  if (!(matter.mass > 0)) {
+    pull.acted = 0;
+    return 0;
+  }
+  const Vec3 mean = matter.momentum / matter.mass;
+  const Vec3 before = pull.acted > 0 ? pull.velocity : mean;
+  pull.acted += dt;
+  pull.velocity = mean + dt * matter.mass2 / (matter.mass * matter.mass) * pull.force;
+  return 0.5 * dt * pull.force.dot(before + pull.velocity);
+}
+
 }  // namespace rend

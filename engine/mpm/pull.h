@@ -16,17 +16,29 @@ struct PullForce {
   Vec3 target = Vec3::Zero();  ///< [m]
   Real stiffness = 0;          ///< [N/m]; 0 is a constant force
   Real strongest = 0;          ///< limit on the force of the spring [N]
+  /// Mean velocity of the matter under it, weighted as the force is, after the last step [m/s].
+  Vec3 velocity = Vec3::Zero();
+  Real acted = 0;  ///< for how long it has held matter [s]; 0: `velocity` is not known yet
 
   bool is_spring() const { return radius > 0 && stiffness > 0; }
+
+  /// Calls visit(value) for everything that a state file keeps of a pull.
+  template <class Pull, class Visit>
+  static void visit_state(Pull& pull, Visit&& visit) {
+    visit(pull.at), visit(pull.force), visit(pull.radius), visit(pull.target);
+    visit(pull.stiffness), visit(pull.strongest), visit(pull.velocity), visit(pull.acted);
+  }
 };
 
 /// Matter under the falloff of a pull; sums over nodes.
 struct PulledMatter {
   Real mass = 0;                 ///< sum of m falloff [kg]
+  Real mass2 = 0;                ///< sum of m falloff^2 [kg]
   Vec3 momentum = Vec3::Zero();  ///< sum of m falloff v [kg m/s]
 
   PulledMatter& operator+=(const PulledMatter& other) {
     mass += other.mass;
+    mass2 += other.mass2;
     momentum += other.momentum;
     return *this;
   }
@@ -38,5 +50,10 @@ struct PulledMatter {
 /// cut to `strongest`; no stiffness and no mass makes it unstable. Before that the grip moves on by
 /// dt v. A constant force stays as it is; a spring that holds nothing does nothing.
 void advance_spring(PullForce& pull, const PulledMatter& matter, Real dt);
+
+/// Work of the force in a step dt [s] on this matter, F dt (v_before + v_after) / 2 [J], where
+/// v_before is what `pull` keeps of the step before: in `matter` the stress, which works against
+/// the pull, has acted already.
+Real work_of_pull(PullForce& pull, const PulledMatter& matter, Real dt);
 
 }  // namespace rend

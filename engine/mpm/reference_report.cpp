@@ -146,12 +146,7 @@ void ReferenceSolver::save(std::ostream& out) const {
   writer.put(balance_);
   writer.put(motion_);
   writer.put(gravity_);
-  writer.put(pull_.at);
-  writer.put(pull_.force);
-  writer.put(pull_.radius);
-  writer.put(pull_.target);
-  writer.put(pull_.stiffness);
-  writer.put(pull_.strongest);
+  PullForce::visit_state(pull_, [&](const auto& value) { writer.put(value); });
   for (const SolverMaterial& material : materials_) put_material(writer, material.desc);
   writer.put(particles_.x);
   writer.put(particles_.v);
@@ -181,12 +176,7 @@ void ReferenceSolver::load(std::istream& in) {
   reader.get(state.balance);
   reader.get(state.motion);
   reader.get(gravity);
-  reader.get(pull.at);
-  reader.get(pull.force);
-  reader.get(pull.radius);
-  reader.get(pull.target);
-  reader.get(pull.stiffness);
-  reader.get(pull.strongest);
+  PullForce::visit_state(pull, [&](auto& value) { reader.get(value); });
   std::vector<SolverMaterial> materials;
   for (const SolverMaterial& material : materials_)
     materials.emplace_back(get_material(reader, material.desc));

@@ -125,7 +125,7 @@ void ReferenceSolver::update_grid(Real dt) {
   const Index blocks = static_cast<Index>(grid_.grid_blocks().size());
   NodeLoads loads(scene_.colliders, pull_, time_ + dt, node_rule_);
   if (loads.pulls())
-    loads.set_pulled(
+    balance_.nodes.external += loads.set_pulled(
         ordered_sum(blocks, 8, PulledMatter(),
                     [&](Index b) {
                       PulledMatter sum;

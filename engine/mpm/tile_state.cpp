@@ -112,12 +112,7 @@ void TileSolver::save(std::ostream& out) const {
   writer.put(s.extremes);
   writer.put(s.excess);
   writer.put(gravity_);
-  writer.put(pull_.at);
-  writer.put(pull_.force);
-  writer.put(pull_.radius);
-  writer.put(pull_.target);
-  writer.put(pull_.stiffness);
-  writer.put(pull_.strongest);
+  PullForce::visit_state(pull_, [&](const auto& value) { writer.put(value); });
   for (std::size_t m = 0; m < scene_.materials.size(); ++m)
     put_material(writer, materials_[m].desc);
   writer.put(s.store.layout);
@@ -143,12 +138,7 @@ void TileSolver::load(std::istream& in) {
   reader.get(s.extremes);
   reader.get(s.excess);
   reader.get(gravity);
-  reader.get(pull.at);
-  reader.get(pull.force);
-  reader.get(pull.radius);
-  reader.get(pull.target);
-  reader.get(pull.stiffness);
-  reader.get(pull.strongest);
+  PullForce::visit_state(pull, [&](auto& value) { reader.get(value); });
   std::vector<Material> materials;
   for (std::size_t m = 0; m < scene_.materials.size(); ++m) {
     const MaterialDesc desc = get_material(reader, materials_[m].desc);

@@ -231,15 +231,16 @@ Real TileSolver::grid_pass(Real dt) {
               node + 4 * n);
   };
   if (loads.pulls())
-    loads.set_pulled(ordered_sum(grid_.count(), 8, PulledMatter(),
-                                 [&](Index g) {
-                                   PulledMatter sum;
-                                   each_node(g, [&](const Vec3& x, Real m, const float* node) {
-                                     sum += loads.pulled(x, m, velocity(node));
-                                   });
-                                   return sum;
-                                 }),
-                     dt, pull_);
+    balance_.nodes.external +=
+        loads.set_pulled(ordered_sum(grid_.count(), 8, PulledMatter(),
+                                     [&](Index g) {
+                                       PulledMatter sum;
+                                       each_node(g, [&](const Vec3& x, Real m, const float* node) {
+                                         sum += loads.pulled(x, m, velocity(node));
+                                       });
+                                       return sum;
+                                     }),
+                         dt, pull_);
   const Real radius = 1.5 * std::sqrt(3.0) * dx_;
   struct Loaded {
     NodeWork work;

@@ -156,6 +156,22 @@ TEST_CASE("balance: work of the pull tool, and live changes leave no remainder")
   }
 }
 
+TEST_CASE("balance: a pull against stiff matter puts in what the matter gets") {
+  for (const SolverKind& kind : main_solvers()) {
+    CAPTURE(kind.name);
+    const auto solver = make(kind, plain_scene(), block(Vec3i(16, 8, 8), Vec3(0, 0, 0)).model);
+    PullForce pull;
+    pull.at = Vec3(4, 0, 0), pull.target = Vec3(8, 4, 0), pull.radius = 1.5;
+    pull.stiffness = 20, pull.strongest = 60;
+    solver->set_pull(pull);
+    for (int n = 0; n < 20; ++n) {
+      const FrameReport r = solver->advance(0.1);
+      REQUIRE(r.status == Status::ok);
+      CHECK(energy_drift(r) > -0.01);
+    }
+  }
+}
+
 TEST_CASE("balance: a run whose step is too long says that it gains") {
   SceneDesc scene = plain_scene();
   scene.solver.time_step = 1.1 / std::sqrt(3 * 100 / (3 * 0.4));

@@ -43,7 +43,7 @@ TEST_CASE("pull: a spring brings a point mass to its target without overshoot, h
   for (const Real stiffness : {1.0, 1e3, 1e6, 1e12}) {
     CAPTURE(stiffness);
     PullForce pull = spring(Vec3::Zero(), Vec3(1, 0, 0), 1, stiffness, 1e300);
-    PulledMatter matter{2, Vec3::Zero()};
+    PulledMatter matter{2, 2, Vec3::Zero()};
     constexpr Real dt = 1e-3;
     for (int step = 0; step < 20000; ++step) {
       const Real before = pull.at.x();
@@ -60,14 +60,14 @@ TEST_CASE(
     "pull: a spring keeps its limit, holds nothing without matter, and leaves a constant force "
     "alone") {
   PullForce pull = spring(Vec3::Zero(), Vec3(0, 3, 4), 1, 1e4, 10);
-  advance_spring(pull, {2, Vec3::Zero()}, 1e-3);
+  advance_spring(pull, {2, 2, Vec3::Zero()}, 1e-3);
   CHECK(pull.force.norm() == doctest::Approx(10));
   CHECK(pull.force.z() == doctest::Approx(8));
   advance_spring(pull, {}, 1e-3);
   CHECK(pull.force.norm() == 0);
   CHECK(pull.at == Vec3::Zero());
   PullForce constant{Vec3(1, 2, 3), Vec3(0, 5, 0), 1};
-  advance_spring(constant, {2, Vec3(9, 9, 9)}, 1e-3);
+  advance_spring(constant, {2, 2, Vec3(9, 9, 9)}, 1e-3);
   CHECK(constant.at == Vec3(1, 2, 3));
   CHECK(constant.force == Vec3(0, 5, 0));
 }

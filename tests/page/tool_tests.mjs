@@ -97,6 +97,29 @@ test("Escape, a second finger and a closed page let go", async () => {
   });
 });
 
+test("keys pull too: Enter takes hold in the middle, arrows move the end, Enter or leaving lets go", async () => {
+  await with_page(async (page, run) => {
+    const picture = page.locator("#picture");
+    await picture.focus();
+    await page.keyboard.press("Enter");
+    await until("a grip", () => run.pulls.length > 0);
+    const start = run.pulls[0].at;
+    assert.deepEqual(start, [0.1, 0.27, 0]);
+    const before = new Set(eyes(run)).size;
+    for (let n = 0; n < 5; ++n) await page.keyboard.press("ArrowUp");
+    await until("a target above", () => run.pulls.at(-1).target?.[1] > start[1] + 0.02);
+    assert.equal(new Set(eyes(run)).size, before, "the view stays");
+    await page.keyboard.press("Enter");
+    await until("released", () => run.pulls.at(-1).radius === 0);
+    await page.keyboard.press("ArrowLeft");
+    await until("another view", () => new Set(eyes(run)).size > before);
+    await page.keyboard.press("Enter");
+    await until("a grip again", () => run.pulls.at(-1).radius > 0);
+    await picture.blur();
+    await until("released by leaving", () => run.pulls.at(-1).radius === 0);
+  });
+});
+
 test("in the past and after the end pulling says what to do instead", async () => {
   await with_page(async (page, run, at) => {
     const press = async () => {

@@ -1,4 +1,5 @@
-// Pulling at the body: a spring from the matter under the press to the pointer, drawn on the picture.
+// Pulling at the body: a spring from the matter under the press to the pointer, or from the middle of the picture to where
+// arrow keys put its end, drawn on the picture.
 import { find, set_text } from "./element.js";
 import { get_json, pause_for, send_json } from "./api.js";
 import { shown_force } from "./tools.js";
@@ -6,6 +7,10 @@ import { shown_force } from "./tools.js";
 const LEAST_GAP_MS = 25;
 /// The server lets go of a spring that nobody has spoken of for 5 s.
 const REMINDER_MS = 1000;
+/// Shares of the picture's height.
+const KEY_STEP = 0.03,
+  FINE_KEY_STEP = 0.006;
+const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 export class PullTool {
   #canvas;
@@ -16,6 +21,8 @@ export class PullTool {
   #tools;
   #toast;
   #held = null;
+  /// Where keys have put the end of the spring.
+  #key_place = null;
   #waiting = null;
   #busy = false;
 
@@ -37,12 +44,18 @@ export class PullTool {
     addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.release();
     });
+    // Before the camera hears of them.
+    canvas.addEventListener("keydown", (event) => this.#on_key(event), true);
+    canvas.addEventListener("blur", () => {
+      if (this.#key_place) this.release();
+    });
   }
 
   /// A press at `place`, for watch_gestures.
   take(place) {
     if (this.#tools.tool !== "pull" || !this.#tools.radius) return null;
     const press = { place, ended: false };
+    this.#key_place = null;
     this.#ring(place);
     return {
       wanted: this.#grab(press),
@@ -54,7 +67,36 @@ export class PullTool {
     };
   }
 
+  #on_key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || this.#tools.tool !== "pull") return;
+    const way = KEYS[event.key];
+    if (event.key === "Enter" && !event.repeat) {
+      if (this.#key_place) this.release();
+      else this.#grab_middle();
+    } else if (way && this.#key_place) {
+      const step = event.shiftKey ? FINE_KEY_STEP : KEY_STEP;
+      this.#key_place.x += (way[0] * step) / this.#picture.aspect;
+      this.#key_place.y += way[1] * step;
+      this.#move(this.#key_place);
+    } else return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+  }
+
+  async #grab_middle() {
+    if (this.#held || !this.#tools.radius) return;
+    const place = { x: 0.5, y: 0.5 };
+    this.#key_place = place;
+    this.#ring(place);
+    const found = await this.#grab({ place, ended: false }).catch(() => null);
+    if (found || this.#key_place !== place) return;
+    this.#key_place = null;
+    this.draw();
+    if (found === undefined) this.#toast("There is nothing to pull in the middle of the picture; turn or move the view.");
+  }
+
   release() {
+    this.#key_place = null;
     if (this.#held) {
       this.#held = null;
       this.#send({ radius: 0 });
@@ -62,6 +104,7 @@ export class PullTool {
     this.draw();
   }
 
+  /// Whether it holds; undefined where there is no matter.
   async #grab(press) {
     const { x, y } = press.place;
     const query = { ...this.#picture.view_query(), w: 1280, h: this.#height(), x, y };
@@ -70,7 +113,7 @@ export class PullTool {
     );
     if (!matter || press.ended || !this.#may_pull()) {
       this.draw();
-      return false;
+      return matter ? false : undefined;
     }
     const { depth } = this.#camera.project(matter.position, this.#picture.aspect);
     this.#held = { at: matter.position, target: matter.position, depth };

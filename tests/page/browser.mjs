@@ -1,6 +1,7 @@
 // One Chromium for all tests; pages with the watches that every test wants.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
+import { after } from "node:test";
 import { chromium } from "playwright-core";
 
 export const real_url = process.env.REND_URL;
@@ -20,6 +21,8 @@ export const browser = await chromium.launch({
     "--disable-sync",
   ],
 });
+// An open Chromium keeps Node alive, whichever files of tests it runs.
+after(() => browser.close());
 
 /// {page, troubles, close()}: `troubles` collects console errors, page errors and requests to elsewhere.
 export async function open_page(

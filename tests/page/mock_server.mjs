@@ -2,6 +2,7 @@
 import { createServer } from "node:http";
 import { readFile } from "node:fs/promises";
 import { extname, join, normalize } from "node:path";
+import { after } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { draw, to_png } from "./fake_picture.mjs";
 import { MockRun } from "./mock_run.mjs";
@@ -182,8 +183,8 @@ async function answer_page(url, response) {
 
 const open = new Set();
 
-/// Closes what failed tests left open, which would keep Node alive.
-export const close_mocks = () => Promise.all([...open].map((mock) => mock.close()));
+// What failed tests left open would keep Node alive.
+after(() => Promise.all([...open].map((mock) => mock.close())));
 
 /// {url, run, close()}.
 export async function start_mock(options = {}) {

@@ -31,6 +31,14 @@ LatticeModel tumbling_block(const Vec3& centre, int count, bool spins = true) {
   return body;
 }
 
+// Of particles of one mass. About the world's origin the lever grows with the way, and with it
+// what rounding of positions does.
+Vec3 angular_momentum_about_centre(const Snapshot& s) {
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& x : s.x) centre += x / static_cast<Real>(s.x.size());
+  return s.report.angular_momentum - centre.cross(s.report.momentum);
+}
+
 }  // namespace
 
 TEST_CASE("H5 a single particle flies straight from every place in a cell") {
@@ -120,6 +128,7 @@ TEST_CASE("H7 long flight keeps momentum, and energy only falls") {
       LatticeModel body = tumbling_block(Vec3(0.3, 0.2, 0.1), 10, spins);
       const auto solver = make(kind, scene, body.model);
       const FrameReport start = solver->snapshot().report;
+      const Vec3 spin = angular_momentum_about_centre(solver->snapshot());
       const int frames = 40;
       Real energy = mechanical_energy(start), rise = 0;
       Run run;
@@ -133,8 +142,8 @@ TEST_CASE("H7 long flight keeps momentum, and energy only falls") {
       }
       CHECK(taken >= steps);
       const Real p = (run.last.momentum - start.momentum).norm() / start.momentum.norm();
-      const Real L = (run.last.angular_momentum - start.angular_momentum).norm() /
-                     start.angular_momentum.norm();
+      const Real L =
+          (angular_momentum_about_centre(solver->snapshot()) - spin).norm() / spin.norm();
       const Real lost = 1 - energy / mechanical_energy(start);
       // Float: half an ulp a step at random, growing with the square root of the steps.
       CHECK(p <= (kind.reference() ? 1e-11 : 1e-4));

@@ -119,7 +119,9 @@ test("a spring pulls at what a probe finds, and is refused without a grip to mov
   assert.equal(bad.body.pointer, "/strength");
   const pull = await server.send("POST", "/api/pull", { at, target, ...grip });
   assert.equal(pull.status, 200);
-  const held = await server.until((s) => s.frame >= 2 && s.pull);
+  // The server lets go of a spring that nobody speaks of for 5 s, and frames may take longer.
+  const reminder = setInterval(() => server.send("POST", "/api/pull", { target, ...grip }), 1000);
+  const held = await server.until((s) => s.frame >= 2 && s.pull).finally(() => clearInterval(reminder));
   assert.equal(held.status, "playing");
   assert.ok(Math.hypot(...held.pull.force) > 0);
   assert.ok(held.pull.at[1] > at[1], "the grip goes up with the matter");
@@ -158,12 +160,12 @@ test("an uploaded mesh becomes a scene that runs; a bad one is refused and leave
   await server.until((s) => s.scene === "tear" && s.status === "paused");
 });
 
+const ended = (s) => s.status === "finished" || s.status === "stopped";
+
 test("with its own threshold the bar tears, with a high one it holds", { timeout: 900_000 * patience }, async () => {
-  const finished = (s) => s.status === "finished" || s.status === "stopped";
   await server.send("POST", "/api/actions/play");
-  const torn = await server.until(finished, 400);
-  assert.equal(torn.status, "finished", torn.message);
-  assert.ok(torn.pieces >= 2, `${torn.pieces} pieces`);
+  const torn = await server.until((s) => s.pieces >= 2 || ended(s), 400);
+  assert.ok(torn.pieces >= 2, `${torn.pieces} pieces, ${torn.status} ${torn.message}`);
   const { parameters } = (await server.get("/api/parameters")).body;
   const high = parameters.find((p) => p.id === threshold).max;
   low = parameters.find((p) => p.id === threshold).default;
@@ -172,19 +174,21 @@ test("with its own threshold the bar tears, with a high one it holds", { timeout
   await server.send("POST", "/api/actions/play");
   const changed = await server.send("PATCH", "/api/parameters", { values: { [threshold]: high } });
   assert.equal(changed.status, 200);
-  const whole = await server.until(finished, 400);
+  const whole = await server.until((s) => s.frame >= torn.frame + 8 || ended(s), 400);
+  assert.notEqual(whole.status, "stopped", whole.message);
   assert.equal(whole.pieces, 1);
 });
 
 test("recorded frames are meshed again with other settings, and show what is close to breaking", async () => {
-  const finished = (s) => s.status === "finished" || s.status === "stopped";
   await server.send("PATCH", "/api/parameters", { values: { [threshold]: low } });
   await server.send("POST", "/api/actions/reset");
   await server.until((s) => s.frame === 0);
   await server.send("POST", "/api/actions/play");
-  const torn = await server.until(finished, 400);
+  await server.until((s) => s.pieces >= 2 || ended(s), 400);
+  await server.send("POST", "/api/actions/pause");
+  const torn = await server.until((s) => s.status === "paused" || ended(s));
   assert.ok(torn.broken_edges > 0);
-  const frame = torn.frame - 5;
+  const frame = torn.frame - 1;
   const picture = (color) => server.get(`/api/frame.jpg?w=320&h=200&frame=${frame}&color=${color}`);
   const before = await picture("threshold");
   assert.match(before.headers.get("x-legend"), /^0;1;Share of break threshold$/);

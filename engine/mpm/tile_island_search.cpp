@@ -19,6 +19,8 @@ constexpr std::int32_t kFew = 16;
 constexpr Index kWorthwhile = 100;
 // Indices of nodes are exact in float.
 constexpr Real kMostNodes = 1 << 23;
+// Blocks on the way of a leg; legs are far shorter.
+constexpr Real kMostRange = 64;
 
 // Particles that are in one block's place now, as boxes in cells and cells/s.
 struct Bin {
@@ -78,15 +80,18 @@ class Search {
     }
     bounds.reach = std::clamp(std::sqrt(3.0) * bounds.time * grid_speed, bounds.reach, 2.0);
     const Real off = 2 * bounds.stray + bounds.reach + fall_;
-    range_ = static_cast<int>(std::ceil((kStencil + spread * bounds.time + off) / 4));
+    const Real range = std::ceil((kStencil + spread * bounds.time + off) / 4);
+    range_ = finite_ && range < kMostRange ? static_cast<int>(range) : 0;
   }
 
   std::vector<std::int32_t> run() {
+    std::vector<std::int32_t> island(store_.blocks().size(), -1);
+    // What is not finite stays on the grid, where the step finds and names it.
+    if (range_ == 0) return island;
     join_what_meets();
     list_members();
     fix_what_stays();
 
-    std::vector<std::int32_t> island(store_.blocks().size(), -1);
     Index leaving = 0;
     std::int32_t count = 0;
     for (std::size_t b = 0; b < island.size(); ++b) {
@@ -115,6 +120,8 @@ class Search {
           const Vec3 x =
               4.0 * blocks[b].coord.cast<Real>() + Vec3(lane[0], lane[kLanes], lane[2 * kLanes]);
           const Vec3 v(moves[0], moves[kLanes], moves[2 * kLanes]);
+          finite_ = finite_ && (x + v).allFinite();
+          if (!finite_) return;
           Bin& bin = bin_at(((x.array() + 0.5) / 4).floor().cast<int>(), static_cast<Index>(b));
           bin.low = bin.low.cwiseMin(x);
           bin.high = bin.high.cwiseMax(x);
@@ -247,7 +254,8 @@ class Search {
   LegBounds& bounds_;
   Index most_;  // particles of an island
   Real fall_ = 0;
-  int range_ = 1;
+  int range_ = 1;  // 0: no islands
+  bool finite_ = true;
   BlockIndex index_;
   std::vector<Bin> bins_;
   Groups groups_;

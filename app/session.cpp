@@ -226,9 +226,11 @@ void Session::set_pull(const SetPull& set) {
   PullForce pull = set.pull;
   if (set.keeps_grip) {
     if (!pipeline_->pull().is_spring()) return;
-    pull.at = pipeline_->pull().at;
-    pull.velocity = pipeline_->pull().velocity;
-    pull.acted = pipeline_->pull().acted;
+    pull = pipeline_->pull();
+    pull.target = set.pull.target;
+    pull.radius = set.pull.radius;
+    pull.stiffness = set.pull.stiffness;
+    pull.strongest = set.pull.strongest;
   }
   pipeline_->set_pull(pull);
   pull_heard_ = std::chrono::steady_clock::now();

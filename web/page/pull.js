@@ -21,8 +21,8 @@ export class PullTool {
   #tools;
   #toast;
   #held = null;
-  /// Where keys have put the end of the spring.
-  #key_place = null;
+  /// The grip that keys have taken; its place is where they have put the end of the spring.
+  #key_press = null;
   #waiting = null;
   #busy = false;
 
@@ -46,16 +46,20 @@ export class PullTool {
     });
     // Before the camera hears of them.
     canvas.addEventListener("keydown", (event) => this.#on_key(event), true);
-    canvas.addEventListener("blur", () => {
-      if (this.#key_place) this.release();
+    const let_go_of_keys = () => {
+      if (this.#key_press) this.release();
+    };
+    canvas.addEventListener("blur", let_go_of_keys);
+    tools.on("change", () => {
+      if (tools.tool !== "pull") let_go_of_keys();
     });
   }
 
   /// A press at `place`, for watch_gestures.
   take(place) {
     if (this.#tools.tool !== "pull" || !this.#tools.radius) return null;
+    if (this.#key_press) this.release();
     const press = { place, ended: false };
-    this.#key_place = null;
     this.#ring(place);
     return {
       wanted: this.#grab(press),
@@ -71,13 +75,14 @@ export class PullTool {
     if (event.ctrlKey || event.metaKey || event.altKey || this.#tools.tool !== "pull") return;
     const way = KEYS[event.key];
     if (event.key === "Enter" && !event.repeat) {
-      if (this.#key_place) this.release();
+      if (this.#key_press) this.release();
       else this.#grab_middle();
-    } else if (way && this.#key_place) {
+    } else if (way && this.#key_press) {
+      const { place } = this.#key_press;
       const step = event.shiftKey ? FINE_KEY_STEP : KEY_STEP;
-      this.#key_place.x += (way[0] * step) / this.#picture.aspect;
-      this.#key_place.y += way[1] * step;
-      this.#move(this.#key_place);
+      place.x += (way[0] * step) / this.#picture.aspect;
+      place.y += way[1] * step;
+      this.#move(place);
     } else return;
     event.preventDefault();
     event.stopImmediatePropagation();
@@ -85,18 +90,16 @@ export class PullTool {
 
   async #grab_middle() {
     if (this.#held || !this.#tools.radius) return;
-    const place = { x: 0.5, y: 0.5 };
-    this.#key_place = place;
-    this.#ring(place);
-    const found = await this.#grab({ place, ended: false }).catch(() => null);
-    if (found || this.#key_place !== place) return;
-    this.#key_place = null;
-    this.draw();
-    if (found === undefined) this.#toast("There is nothing to pull in the middle of the picture; turn or move the view.");
+    const press = { place: { x: 0.5, y: 0.5 }, ended: false };
+    this.#key_press = press;
+    this.#ring(press.place);
+    const kept = await this.#grab(press).catch(() => false);
+    if (!kept && this.#key_press === press) this.release();
   }
 
   release() {
-    this.#key_place = null;
+    if (this.#key_press) this.#key_press.ended = true;
+    this.#key_press = null;
     if (this.#held) {
       this.#held = null;
       this.#send({ radius: 0 });
@@ -104,16 +107,17 @@ export class PullTool {
     this.draw();
   }
 
-  /// Whether it holds; undefined where there is no matter.
   async #grab(press) {
     const { x, y } = press.place;
     const query = { ...this.#picture.view_query(), w: 1280, h: this.#height(), x, y };
     const { matter } = await get_json(
       `/api/probe?${new URLSearchParams({ ...query, frame: this.#playhead.wanted })}`,
     );
+    if (!matter && press === this.#key_press)
+      this.#toast("There is nothing to pull in the middle of the picture; turn or move the view.");
     if (!matter || press.ended || !this.#may_pull()) {
       this.draw();
-      return matter ? false : undefined;
+      return false;
     }
     const { depth } = this.#camera.project(matter.position, this.#picture.aspect);
     this.#held = { at: matter.position, target: matter.position, depth };

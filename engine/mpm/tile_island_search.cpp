@@ -60,7 +60,8 @@ class Search {
          const std::function<bool(const TileRun&)>& may_leave,
          const std::function<bool(const Vec3&, Real)>& clear)
       : store_(store), bounds_(bounds), most_(most), groups_(store.blocks().size()) {
-    sort_into_bins(motion, may_leave);
+    // What is not finite stays on the grid, where the step finds and names it.
+    if (!sort_into_bins(motion, may_leave)) return;
     Vec3 slow = Vec3::Constant(1e30), fast = -slow;
     for (const Bin& bin : bins_)
       if (!bin.bound) {
@@ -81,12 +82,11 @@ class Search {
     bounds.reach = std::clamp(std::sqrt(3.0) * bounds.time * grid_speed, bounds.reach, 2.0);
     const Real off = 2 * bounds.stray + bounds.reach + fall_;
     const Real range = std::ceil((kStencil + spread * bounds.time + off) / 4);
-    range_ = finite_ && range < kMostRange ? static_cast<int>(range) : 0;
+    if (range < kMostRange) range_ = static_cast<int>(range);
   }
 
   std::vector<std::int32_t> run() {
     std::vector<std::int32_t> island(store_.blocks().size(), -1);
-    // What is not finite stays on the grid, where the step finds and names it.
     if (range_ == 0) return island;
     join_what_meets();
     list_members();
@@ -106,7 +106,8 @@ class Search {
   }
 
  private:
-  void sort_into_bins(const float* motion, const std::function<bool(const TileRun&)>& may_leave) {
+  // False where a particle is not finite.
+  bool sort_into_bins(const float* motion, const std::function<bool(const TileRun&)>& may_leave) {
     const std::vector<TileBlock>& blocks = store_.blocks();
     index_.clear(2 * blocks.size());
     for (std::size_t b = 0; b < blocks.size(); ++b)
@@ -120,8 +121,7 @@ class Search {
           const Vec3 x =
               4.0 * blocks[b].coord.cast<Real>() + Vec3(lane[0], lane[kLanes], lane[2 * kLanes]);
           const Vec3 v(moves[0], moves[kLanes], moves[2 * kLanes]);
-          finite_ = finite_ && (x + v).allFinite();
-          if (!finite_) return;
+          if (!(x + v).allFinite()) return false;
           Bin& bin = bin_at(((x.array() + 0.5) / 4).floor().cast<int>(), static_cast<Index>(b));
           bin.low = bin.low.cwiseMin(x);
           bin.high = bin.high.cwiseMax(x);
@@ -130,6 +130,7 @@ class Search {
           bin.bound = bin.bound || bound;
         }
       }
+    return true;
   }
 
   Bin& bin_at(const Vec3i& coord, Index block) {
@@ -254,8 +255,7 @@ class Search {
   LegBounds& bounds_;
   Index most_;  // particles of an island
   Real fall_ = 0;
-  int range_ = 1;  // 0: no islands
-  bool finite_ = true;
+  int range_ = 0;  // 0: no islands
   BlockIndex index_;
   std::vector<Bin> bins_;
   Groups groups_;

@@ -145,7 +145,7 @@ TEST_CASE("V15 free fall: x0 + v0 t + g t (t + dt) / 2") {
     for (std::size_t p = 0; p < now.x.size(); ++p)
       worst = std::max(worst, (now.x[p] - body.model.X[p] - path).norm() / path.norm());
     CAPTURE(method_name(solver));
-    CHECK(worst < (solver.precision == Precision::float32 ? 6e-6 : 1e-12));
+    CHECK(worst < (solver.precision == Precision::float32 ? 4e-6 : 1e-12));
   }
 }
 

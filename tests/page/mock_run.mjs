@@ -89,6 +89,7 @@ export class MockRun {
       pull: null,
       pulls: [],
       probes: [],
+      looking: null,
       frame_requests: [],
       patch_ms: 0,
       picture_ms: 0,
@@ -249,6 +250,13 @@ export class MockRun {
       this.parameters.find((entry) => entry.id === id).value = value;
     this.changed();
     return [];
+  }
+
+  /// Holds the answers of probes back until the function that it returns is called.
+  hold_probes() {
+    let answer;
+    this.looking = new Promise((done) => (answer = done));
+    return answer;
   }
 
   /// The body fills the middle of the picture; what it says of its matter depends on the place.

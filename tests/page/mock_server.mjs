@@ -132,7 +132,10 @@ async function answer_api(run, request, url, response) {
     run.act(action[1], JSON.parse((await body_of(request)) || "{}"));
     return json(response, 200, { revision: run.revision });
   }
-  if (what === "GET /api/probe") return json(response, 200, run.probe(query));
+  if (what === "GET /api/probe") {
+    await run.looking;
+    return json(response, 200, run.probe(query));
+  }
   if (what === "POST /api/pull") {
     const pull = JSON.parse(await body_of(request));
     if (pull.radius && run.status === "finished")

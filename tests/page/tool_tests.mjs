@@ -118,9 +118,13 @@ test("keys pull too: Enter takes hold in the middle, arrows move the end, Enter 
     await picture.blur();
     await until("released by leaving", () => run.pulls.at(-1).radius === 0);
     await picture.focus();
-    const had = run.pulls.length;
+    const had = run.pulls.length,
+      probed = run.probes.length;
+    const answer = run.hold_probes();
     await page.keyboard.press("Enter");
     await page.keyboard.press("Enter");
+    answer();
+    await until("an answer that comes too late", () => run.probes.length > probed);
     await settled(page, 600);
     assert.ok(run.pulls.slice(had).every(({ radius }) => radius === 0), "let go before the server had looked");
     assert.equal(await grip_shown(page), false);

@@ -85,7 +85,8 @@ struct FractureMesh::State {
   Real rotation_time = 0;
   Index last_frame = 0;
   Index new_broken = 0;
-  mutable FractureStages stages;  // clocks only
+  mutable FractureStages stages;   // clocks only
+  mutable SurfaceScratch scratch;  // no value outlives a call
   Real update_seconds = 0;
   mutable Real surface_seconds = 0;
 };
@@ -275,12 +276,12 @@ void FractureMesh::surface(const Snapshot& snapshot, SurfaceMesh& mesh) const {
   SurfaceTimes times;
   if (snapshot.frame == s.rotation_frame && snapshot.time == s.rotation_time) {
     build_surface(*s.crack, *s.pieces, *s.rotations, s.setup->crease, snapshot, s.nearness,
-                  s.settings.smallest_fragment, mesh, &times);
+                  s.settings.smallest_fragment, mesh, s.scratch, &times);
   } else {
     RotationField rotations = *s.rotations;
     rotations.fit(s.crack->near_crack(), snapshot.x, *s.crack);
     build_surface(*s.crack, *s.pieces, rotations, s.setup->crease, snapshot, s.nearness,
-                  s.settings.smallest_fragment, mesh, &times);
+                  s.settings.smallest_fragment, mesh, s.scratch, &times);
   }
   s.surface_seconds = seconds_since(start);
   s.stages.positions = times.positions;
@@ -325,7 +326,7 @@ double FractureMesh::bytes_per_particle() const {
   const State& s = *state_;
   const double count = std::max<double>(1, static_cast<double>(s.setup->tables.X.size()));
   return s.setup->tables.bytes_per_particle() +
-         (s.crack->bytes() + s.rotations->bytes() + 8 * count) / count;
+         (s.crack->bytes() + s.rotations->bytes() + s.scratch.bytes() + 8 * count) / count;
 }
 
 }  // namespace rend

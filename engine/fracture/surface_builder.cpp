@@ -34,11 +34,47 @@ struct alignas(32) Corner {
   Eigen::Vector4f normal;  // sum, and sum of lengths
 };
 
-class Builder {
+// Values that are all written before they are read.
+template <class T>
+class Buffer {
  public:
-  Builder(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
-          const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
-          const std::vector<float>& nearness, Index smallest_piece, SurfaceMesh& surface)
+  void make_room(std::size_t count) {
+    if (count <= room_) return;
+    room_ = count + count / 4;
+    values_.reset();
+    values_ = std::make_unique_for_overwrite<T[]>(room_);
+  }
+  T& operator[](std::size_t i) const { return values_[i]; }
+  std::size_t bytes() const { return room_ * sizeof(T); }
+
+ private:
+  std::size_t room_ = 0;
+  std::unique_ptr<T[]> values_;
+};
+
+}  // namespace
+
+struct SurfaceScratch::Buffers {
+  Buffer<Carrier> carriers;  // by slot of the rotations
+  Buffer<Corner> corners;    // by vertex
+  Buffer<Index> vertex_of_corner;
+};
+
+SurfaceScratch::SurfaceScratch() : buffers_(std::make_unique<Buffers>()) {}
+SurfaceScratch::~SurfaceScratch() = default;
+SurfaceScratch::SurfaceScratch(SurfaceScratch&&) noexcept = default;
+SurfaceScratch& SurfaceScratch::operator=(SurfaceScratch&&) noexcept = default;
+std::size_t SurfaceScratch::bytes() const {
+  return buffers_->carriers.bytes() + buffers_->corners.bytes() +
+         buffers_->vertex_of_corner.bytes();
+}
+
+class SurfaceBuilder {
+ public:
+  SurfaceBuilder(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
+                 const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
+                 const std::vector<float>& nearness, Index smallest_piece, SurfaceMesh& surface,
+                 SurfaceScratch& scratch)
       : crack_(crack),
         tables_(crack.tables()),
         pieces_(pieces),
@@ -47,6 +83,9 @@ class Builder {
         now_(snapshot),
         nearness_(nearness),
         out_(surface),
+        carriers_(scratch.buffers_->carriers),
+        corners_(scratch.buffers_->corners),
+        vertex_of_corner_(scratch.buffers_->vertex_of_corner),
         skin_vertices_(static_cast<Index>(tables_.skin_particle.size())) {
     if (smallest_piece > 1) find_hidden(smallest_piece);
   }
@@ -82,7 +121,7 @@ class Builder {
     dense_ = crack_.free_copies().empty() && !any_hidden_;
     vertex_count_ = skin_vertices_ + static_cast<Index>(copies.size());
     if (dense_) return;
-    vertex_of_corner_.resize(static_cast<std::size_t>(vertex_count_));
+    vertex_of_corner_.make_room(static_cast<std::size_t>(vertex_count_));
     vertex_count_ = 0;
     for (Index v = 0; v < skin_vertices_; ++v)
       vertex_of_corner_[v] = hidden(tables_.skin_particle[v]) ? -1 : vertex_count_++;
@@ -103,7 +142,7 @@ class Builder {
     out_.speed.resize(vertex_count_);
     out_.nearness.resize(vertex_count_);
     out_.crease.resize(vertex_count_);
-    corners_ = std::make_unique_for_overwrite<Corner[]>(static_cast<std::size_t>(vertex_count_));
+    corners_.make_room(static_cast<std::size_t>(vertex_count_));
     if (!now_.x.empty()) origin_ = now_.x[now_.x.size() / 2];
   }
 
@@ -146,8 +185,7 @@ class Builder {
 
   void place_copies() {
     const auto& near = crack_.near_crack();
-    carriers_ = std::make_unique_for_overwrite<Carrier[]>(
-        static_cast<std::size_t>(rotations_.slot_count()));
+    carriers_.make_room(static_cast<std::size_t>(rotations_.slot_count()));
     parallel_for(static_cast<Index>(near.size()), grain, [&](Index i) {
       const Index p = near[i];
       const Mat3 R = rotations_.of(p).toRotationMatrix();
@@ -247,25 +285,24 @@ class Builder {
   const Snapshot& now_;
   const std::vector<float>& nearness_;
   SurfaceMesh& out_;
+  Buffer<Carrier>& carriers_;
+  Buffer<Corner>& corners_;
+  Buffer<Index>& vertex_of_corner_;
   Index skin_vertices_;
   Index vertex_count_ = 0;
   bool dense_ = true;
   bool any_hidden_ = false;
   std::vector<std::uint8_t> hidden_;  // by piece id
-  std::vector<Index> vertex_of_corner_;
-  std::unique_ptr<Carrier[]> carriers_;  // by slot
-  std::unique_ptr<Corner[]> corners_;    // by vertex
-  Vec3 origin_ = Vec3::Zero();  // near the vertices, so that floats are good for differences
+  Vec3 origin_ = Vec3::Zero();        // near the vertices, so that floats are good for differences
 };
-
-}  // namespace
 
 void build_surface(const CrackMesh& crack, const Pieces& pieces, const RotationField& rotations,
                    const std::vector<std::uint8_t>& crease, const Snapshot& snapshot,
                    const std::vector<float>& nearness, Index smallest_piece, SurfaceMesh& surface,
-                   SurfaceTimes* times) {
-  const SurfaceTimes spent =
-      Builder(crack, pieces, rotations, crease, snapshot, nearness, smallest_piece, surface).run();
+                   SurfaceScratch& scratch, SurfaceTimes* times) {
+  const SurfaceTimes spent = SurfaceBuilder(crack, pieces, rotations, crease, snapshot, nearness,
+                                            smallest_piece, surface, scratch)
+                                 .run();
   if (times) *times = spent;
 }
 

@@ -5,9 +5,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 using namespace rend;
 
@@ -96,4 +98,31 @@ TEST_CASE("a lit sphere and its floor have no isolated bright or dark pixels") {
       }
     CHECK(specks == 0);
   }
+}
+
+TEST_CASE("a plane face has no stripes of shadow, however the light grazes it") {
+  Renderer renderer;
+  DrawList list;
+  list.props = bar_grips();
+  constexpr int half = 48, reach = 6;
+  double worst = 0;
+  for (int degrees = -60; degrees <= 60; degrees += 10) {
+    const double turn = degrees * std::numbers::pi / 180;
+    Camera camera;
+    camera.target = Vec3(1.11, 0.55, 0);  // the middle of the outer face of a grip
+    camera.eye = camera.target + 2 * Vec3(std::cos(turn), 0.2, std::sin(turn));
+    camera.fov = 26;
+    const Image image = renderer.draw(list, camera, {640, 480, 1});
+    std::vector<double> mean(2 * half);
+    for (int x = 0; x < 2 * half; ++x)
+      for (int y = -half; y < half; ++y)
+        mean[x] += luma(image, 320 - half + x, 240 + y) / (2. * half);
+    for (int x = reach; x + reach < 2 * half; ++x) {
+      double around = 0;
+      for (int i = -reach; i <= reach; ++i) around += mean[x + i] / (2 * reach + 1);
+      worst = std::max(worst, std::abs(mean[x] - around));
+    }
+  }
+  MESSAGE("largest stripe: " << worst << " levels of 255");
+  CHECK(worst < 0.2);
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "web/access_gate.h"
+#include "web/http_codec.h"
 #include "web/http_guard.h"
 #include "web/listener.h"
 #include "web/router.h"
@@ -52,18 +53,18 @@ class EventLoop {
     std::size_t head_length = 0;
     GuardedHead head;
     Router::Match match;
-    std::string out;
-    std::size_t sent = 0;
+    Reply out;
+    std::uint64_t sent = 0;
     bool keep_alive = false;
     std::size_t drained = 0;
-    std::size_t marked = 0;    ///< bytes the peer had moved when the deadline was last put off
+    std::uint64_t marked = 0;  ///< bytes the peer had moved when the deadline was last put off
     std::size_t reserved = 0;  ///< its share of body_bytes_
     std::shared_ptr<std::atomic<bool>> stopping;  ///< while a handler has it
   };
 
   struct Completion {
     std::uint64_t id;
-    std::string reply;
+    Reply reply;
   };
 
   void accept_new();
@@ -75,7 +76,7 @@ class EventLoop {
   bool accept_head(Connection& connection);
   void dispatch(Connection& connection);
   void refuse(Connection& connection, const Response& response, bool keep_alive);
-  void start_reply(Connection& connection, std::string reply, bool keep_alive);
+  void start_reply(Connection& connection, Reply reply, bool keep_alive);
   void send_more(Connection& connection);
   void finish_reply(Connection& connection);
   void drain(Connection& connection);

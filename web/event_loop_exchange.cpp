@@ -2,6 +2,7 @@
 #include <linux/sockios.h>
 #include <sys/epoll.h>
 #include <sys/ioctl.h>
+#include <sys/sendfile.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -21,17 +22,28 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t all_bodies_limit = 256u << 20;
 constexpr std::size_t drain_limit = 1u << 20;
+constexpr std::size_t turn_limit = 4u << 20;  // of a file, before others have their turn
 
 // A peer may be slow, but not slower than 32 kB/s over a whole span of waiting.
-bool moved_enough(std::size_t bytes, std::chrono::milliseconds span) {
-  return bytes >= static_cast<std::size_t>(span.count()) * 32;
+bool moved_enough(std::uint64_t bytes, std::chrono::milliseconds span) {
+  return bytes >= static_cast<std::uint64_t>(span.count()) * 32;
 }
 
 // What the client has taken, not what the kernel holds for it: buffers swallow megabytes at once.
-std::size_t acknowledged(int fd, std::size_t sent) {
+std::uint64_t acknowledged(int fd, std::uint64_t sent) {
   int queued = 0;
   if (::ioctl(fd, SIOCOUTQ, &queued) != 0) return sent;
-  return sent - std::min(sent, static_cast<std::size_t>(queued));
+  return sent - std::min(sent, static_cast<std::uint64_t>(queued));
+}
+
+// One call's worth of what follows the first `sent` bytes.
+ssize_t send_some(int socket, const Reply& reply, std::uint64_t sent) {
+  if (sent < reply.bytes.size())
+    return ::send(socket, reply.bytes.data() + sent, reply.bytes.size() - sent,
+                  MSG_NOSIGNAL | MSG_DONTWAIT);
+  auto offset = static_cast<off_t>(sent - reply.bytes.size());
+  return ::sendfile(socket, reply.file->descriptor(), &offset,
+                    std::min<std::uint64_t>(reply.size() - sent, turn_limit));
 }
 
 Response problem_of(const Refusal& refusal) {
@@ -176,7 +188,7 @@ void EventLoop::dispatch(Connection& connection) {
                                        connection.keep_alive, connection.stopping});
   connection.in.clear();
   const auto work = [this, id = connection.id, job] {
-    std::string reply = answer_request(job->head, job->keep_alive, [&](const Request& parsed) {
+    Reply reply = answer_request(job->head, job->keep_alive, [&](const Request& parsed) {
       Request request = parsed;
       request.parts = std::move(job->match.parts);
       request.body = std::move(job->body);
@@ -207,7 +219,7 @@ void EventLoop::refuse(Connection& connection, const Response& response, bool ke
               keep_alive);
 }
 
-void EventLoop::start_reply(Connection& connection, std::string reply, bool keep_alive) {
+void EventLoop::start_reply(Connection& connection, Reply reply, bool keep_alive) {
   body_bytes_ -= std::exchange(connection.reserved, 0);
   connection.out = std::move(reply);
   connection.keep_alive = keep_alive;
@@ -216,16 +228,17 @@ void EventLoop::start_reply(Connection& connection, std::string reply, bool keep
 }
 
 void EventLoop::send_more(Connection& connection) {
-  while (connection.sent < connection.out.size()) {
-    const ssize_t count =
-        ::send(connection.socket.get(), connection.out.data() + connection.sent,
-               connection.out.size() - connection.sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+  const Reply& out = connection.out;
+  const std::uint64_t turn_end = connection.sent + turn_limit;
+  while (connection.sent < out.size()) {
+    if (out.file && connection.sent >= turn_end) return watch(connection, EPOLLOUT);
+    const ssize_t count = send_some(connection.socket.get(), out, connection.sent);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
       return watch(connection, EPOLLOUT);
     }
     if (count <= 0) return close(connection);
-    connection.sent += static_cast<std::size_t>(count);
+    connection.sent += static_cast<std::uint64_t>(count);
   }
   finish_reply(connection);
 }

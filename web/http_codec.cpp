@@ -84,7 +84,7 @@ Response guarded_call(const Handler& handler, const Request& request) {
 // One exchange: the library reads the head and writes the reply, nothing of it touches a socket.
 class Exchange final : private httplib::Server {
  public:
-  std::string run(const GuardedHead& head, bool keep_alive, const web::Handler& handler) {
+  Reply run(const GuardedHead& head, bool keep_alive, const web::Handler& handler) {
     set_pre_routing_handler([&](const httplib::Request& in, httplib::Response& out) {
       fill(out, checked(respond(head, in, handler)), head.method == "HEAD");
       return HandlerResponse::Handled;
@@ -97,7 +97,7 @@ class Exchange final : private httplib::Server {
     MemoryStream stream(head.block);
     bool closed = false;
     process_request(stream, !keep_alive, closed, nullptr);
-    return std::move(stream.output);
+    return {std::move(stream.output), std::move(file_)};
   }
 
  private:
@@ -115,7 +115,7 @@ class Exchange final : private httplib::Server {
     return guarded_call(handler, request);
   }
 
-  static void fill(httplib::Response& out, Response&& response, bool head_only) {
+  void fill(httplib::Response& out, Response&& response, bool head_only) {
     static const std::pair<const char*, const char*> security[] = {
         {"Content-Security-Policy",
          "default-src 'self'; img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; "
@@ -131,24 +131,29 @@ class Exchange final : private httplib::Server {
       out.set_header(name, value);
     }
     if (!out.has_header("Cache-Control")) out.set_header("Cache-Control", "no-store");
-    if (!response.body.empty() && !response.type.empty()) {
+    if ((!response.body.empty() || response.file) && !response.type.empty()) {
       out.set_header("Content-Type", response.type);
     }
-    // The library knows no body length for a HEAD reply whose body it never sees written.
-    if (head_only)
-      out.set_header("Content-Length", std::to_string(response.body.size()));
-    else
+    // The library knows no length of a body that it never sees written.
+    if (head_only || response.file) {
+      const std::uint64_t size = response.file ? response.file->size() : response.body.size();
+      out.set_header("Content-Length", std::to_string(size));
+    } else {
       out.body = std::move(response.body);
+    }
+    if (!head_only) file_ = std::move(response.file);
   }
+
+  std::shared_ptr<const FileBody> file_;
 };
 
 }  // namespace
 
-std::string answer_request(const GuardedHead& head, bool keep_alive, const Handler& handler) {
+Reply answer_request(const GuardedHead& head, bool keep_alive, const Handler& handler) {
   return Exchange().run(head, keep_alive, handler);
 }
 
-std::string encode_response(const Response& response, bool keep_alive, bool head_only) {
+Reply encode_response(const Response& response, bool keep_alive, bool head_only) {
   GuardedHead head;
   head.method = std::string(head_only ? "HEAD" : "GET");
   head.path = std::string("/");

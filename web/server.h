@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "web/file_body.h"
+
 namespace rend::web {
 
 struct Request {
@@ -29,6 +31,7 @@ struct Response {
   std::string type = "application/json";
   std::string body;
   std::map<std::string, std::string> headers;
+  std::shared_ptr<const FileBody> file = nullptr;  ///< sent in place of `body`
 };
 
 /// An RFC 9457 problem; `pointer` is a JSON pointer into the request body, empty when none applies.

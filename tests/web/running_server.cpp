@@ -1,6 +1,10 @@
 // A server on a free loopback port with a few small routes, run by a thread of its own.
 #include "tests/web/running_server.h"
 
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
 #include <stdexcept>
 
 #include "engine/core/error.h"
@@ -12,6 +16,26 @@ using namespace std::chrono_literals;
 using web::Request;
 using web::Response;
 using web::Route;
+
+std::string large_file_text() {
+  std::string text;
+  for (int i = 0; text.size() < (24u << 20); ++i) text += std::to_string(i) + ' ';
+  return text;
+}
+
+namespace {
+
+// Loses its name at once: what is open stays readable.
+std::shared_ptr<const web::FileBody> large_file() {
+  std::string name = (std::filesystem::temp_directory_path() / "rend-web-XXXXXX").string();
+  if (const int fd = mkstemp(name.data()); fd >= 0) ::close(fd);
+  std::ofstream(name) << large_file_text();
+  auto file = std::make_shared<const web::FileBody>(name);
+  std::filesystem::remove(name);
+  return file;
+}
+
+}  // namespace
 
 web::ServerOptions RunningServer::quick_options() {
   web::ServerOptions options;
@@ -53,6 +77,9 @@ std::vector<Route> RunningServer::routes() {
   routes.push_back(upload);
   routes.push_back(
       {"GET", "/api/big", [=](const Request&) { return text(std::string(16u << 20, 'x')); }});
+  routes.push_back({"GET", "/api/large-file", [](const Request&) {
+                      return Response{200, "application/zip", "", {}, large_file()};
+                    }});
   routes.push_back({"GET", "/api/error", [](const Request&) -> Response {
                       throw Error("scene.json#/bodies/0/density", "is -1, must be > 0");
                     }});

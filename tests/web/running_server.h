@@ -32,4 +32,7 @@ class RunningServer {
   std::thread thread_;
 };
 
+/// What GET /api/large-file answers: 24 MiB from a file, more than any socket takes at once.
+std::string large_file_text();
+
 }  // namespace rend::test

@@ -36,6 +36,24 @@ TEST_CASE("HEAD has the length and no body") {
   CHECK(body_of(reply) == "");
 }
 
+TEST_CASE("a file as body arrives whole, others are served meanwhile, the connection goes on") {
+  RunningServer server;
+  const int port = server.port();
+  RawClient client(port);
+  client.send(get_request(port, "/api/large-file"));
+  CHECK(server.alive());  // nobody has read a byte of the file yet
+  const std::string reply = client.read_reply(10000ms);
+  CHECK(header_of(reply, "Content-Type") == "application/zip");
+  CHECK_UNARY(body_of(reply) == large_file_text());
+  client.send(get_request(port, "/api/ping"));
+  CHECK(body_of(client.read_reply()) == "pong");
+  client.send("HEAD /api/large-file HTTP/1.1\r\nConnection: close\r\nHost: localhost:" +
+              std::to_string(port) + "\r\n\r\n");
+  const std::string head = client.read_to_end();
+  CHECK(header_of(head, "Content-Length") == std::to_string(large_file_text().size()));
+  CHECK(body_of(head) == "");
+}
+
 TEST_CASE("unknown paths and methods are told apart, with Allow") {
   RunningServer server;
   const int port = server.port();

@@ -2,6 +2,7 @@
 #include "app/api.h"
 
 #include "app/api_body.h"
+#include "app/api_export.h"
 #include "app/api_pull.h"
 #include "app/api_query.h"
 #include "app/frame_formats.h"
@@ -343,7 +344,7 @@ Response get_version(const ApiContext& context) {
   return reply({{"version", REND_VERSION},
                 {"notice", version_text()},
                 {"renderer", context.pictures.describe()},
-                {"capabilities", {"upload", "pull", "probe"}}});
+                {"capabilities", {"upload", "pull", "probe", "export"}}});
 }
 
 }  // namespace
@@ -375,6 +376,7 @@ std::vector<web::Route> make_api(ApiContext c) {
   for (const FrameFormat& format : frame_formats())
     routes.push_back({"GET", "/api/frames/{n}/mesh." + format.name,
                       [c, &format](const Request& r) { return get_frame_file(c, r, &format); }});
+  for (web::Route& route : export_routes(c)) routes.push_back(std::move(route));
   return routes;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/api_upload.h"
+#include "app/export_jobs.h"
 #include "app/picture_service.h"
 #include "app/session.h"
 #include "web/server.h"
@@ -16,6 +17,7 @@ struct ApiContext {
   Session& session;
   PictureService& pictures;
   MeshUploads& uploads;
+  ExportJobs& exports;
 };
 
 /// All /api routes (docs/api.md).

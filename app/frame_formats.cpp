@@ -14,16 +14,35 @@
 
 namespace rend {
 
+namespace {
+
+std::vector<RunFile> vtp_series(const std::vector<NamedFrame>& frames) {
+  std::vector<RunFile> files;
+  for (const std::string kind : {"mesh", "particles"}) {
+    std::vector<SeriesEntry> entries;
+    for (const NamedFrame& f : frames)
+      entries.push_back({f.time, fmt::format("{}/{}.vtp", kind, f.name)});
+    files.push_back({kind + ".pvd", pvd(entries)});
+  }
+  return files;
+}
+
+}  // namespace
+
 const std::vector<FrameFormat>& frame_formats() {
   static const std::vector<FrameFormat> all = {
       {"ply", "application/octet-stream",
-       [](const SurfaceMesh& mesh, Real) { return surface_ply(mesh); }, particles_ply},
+       [](const SurfaceMesh& mesh, Real) { return surface_ply(mesh); }, particles_ply, nullptr},
       {"vtp", "application/octet-stream",
        [](const SurfaceMesh& mesh, Real time) { return vtp(surface_arrays(mesh), time); },
-       [](const Snapshot& s, const Model& m) { return vtp(particle_arrays(s, m), s.time); }},
+       [](const Snapshot& s, const Model& m) { return vtp(particle_arrays(s, m), s.time); },
+       vtp_series},
       {"obj", "model/obj", surface_obj,
-       [](const Snapshot& s, const Model&) { return particles_obj(s); }},
-      {"glb", "model/gltf-binary", surface_glb, particles_glb}};
+       [](const Snapshot& s, const Model&) { return particles_obj(s); },
+       [](const std::vector<NamedFrame>&) {
+         return std::vector<RunFile>{{std::string("mesh/") + kMaterialFile, obj_materials()}};
+       }},
+      {"glb", "model/gltf-binary", surface_glb, particles_glb, nullptr}};
   return all;
 }
 
@@ -54,20 +73,13 @@ FrameFiles::FrameFiles(std::filesystem::path folder, const std::vector<std::stri
 
 void FrameFiles::write(const std::string& name, const SurfaceMesh& surface,
                        const Snapshot& snapshot, const Model& model) {
-  series_.emplace_back(snapshot.time, name);
+  frames_.push_back({snapshot.time, name});
   for (const FrameFormat* format : formats_) {
     const std::string file = name + "." + format->name;
     write_file(folder_ / "mesh" / file, format->surface(surface, snapshot.time));
     write_file(folder_ / "particles" / file, format->particles(snapshot, model));
-    if (format->name == "obj" && series_.size() == 1)
-      write_file(folder_ / "mesh" / kMaterialFile, obj_materials());
-    if (format->name != "vtp") continue;
-    for (const std::string kind : {"mesh", "particles"}) {
-      std::vector<SeriesEntry> entries;
-      for (const auto& [time, frame] : series_)
-        entries.push_back({time, fmt::format("{}/{}.vtp", kind, frame)});
-      write_file(folder_ / (kind + ".pvd"), pvd(entries));
-    }
+    if (!format->beside) continue;
+    for (const RunFile& f : format->beside(frames_)) write_file(folder_ / f.path, f.bytes);
   }
 }
 

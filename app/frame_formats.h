@@ -11,12 +11,25 @@
 
 namespace rend {
 
+/// The frames of a run: time [s], and the name under which their files are.
+struct NamedFrame {
+  Real time = 0;
+  std::string name;
+};
+
+/// Path below the folder of a run, and content.
+struct RunFile {
+  std::string path, bytes;
+};
+
 /// Every format carries the surface and the particles of one frame.
 struct FrameFormat {
   std::string name;  ///< also the ending of its files
   std::string media_type;
   std::string (*surface)(const SurfaceMesh&, Real time);
   std::string (*particles)(const Snapshot&, const Model&);
+  /// What belongs to the frames so far as a whole, like mesh.pvd and mesh/materials.mtl; or null.
+  std::vector<RunFile> (*beside)(const std::vector<NamedFrame>&);
 };
 
 /// ply, vtp, obj, glb.
@@ -39,7 +52,7 @@ class FrameFiles {
  private:
   std::filesystem::path folder_;
   std::vector<const FrameFormat*> formats_;
-  std::vector<std::pair<Real, std::string>> series_;  ///< time and name of the frames so far
+  std::vector<NamedFrame> frames_;  ///< so far
 };
 
 }  // namespace rend

@@ -41,7 +41,8 @@ int serve(SceneLibrary library, const ServeOptions& options) {
   PictureService pictures(options.gl);
   Session session(std::move(library), options.scene);
   MeshUploads uploads(session.library());
-  web::Server server(options.server, make_api({session, pictures, uploads}));
+  ExportJobs exports;
+  web::Server server(options.server, make_api({session, pictures, uploads, exports}));
   fmt::print("rend is at {}  (Ctrl+C ends it)\n", server.url());
   std::fflush(stdout);
   std::thread stopper([&] {

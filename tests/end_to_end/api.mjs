@@ -208,6 +208,67 @@ test("recorded frames are meshed again with other settings, and show what is clo
   assert.notEqual(renewed.headers.get("x-token"), before.headers.get("x-token"));
 });
 
+test("an export is one archive with the pictures, or the meshes, of the frames asked for", async () => {
+  const run_export = async (order, view = "") => {
+    const started = await server.send("POST", `/api/exports${view}`, order);
+    assert.equal(started.status, 200, JSON.stringify(started.body));
+    let job;
+    do {
+      await new Promise((wake) => setTimeout(wake, 100));
+      job = (await server.get(`/api/exports/${started.body.id}`)).body;
+    } while (job.status === "running");
+    assert.equal(job.status, "done", job.reason);
+    const file = await server.get(`/api/exports/${job.id}/file`);
+    assert.equal(file.body.byteLength, job.bytes);
+    assert.equal(file.headers.get("content-disposition"), `attachment; filename="${job.name}.zip"`);
+    return { job, bytes: Buffer.from(file.body) };
+  };
+  /// Names and sizes from the directory at the end of an archive.
+  const directory = (zip) => {
+    const files = {};
+    let at = zip.readUInt32LE(zip.lastIndexOf("PK\x05\x06", undefined, "latin1") + 16);
+    while (zip.toString("latin1", at, at + 4) === "PK\x01\x02") {
+      const [name, extra, comment] = [28, 30, 32].map((offset) => zip.readUInt16LE(at + offset));
+      files[zip.toString("utf8", at + 46, at + 46 + name)] = zip.readUInt32LE(at + 24);
+      at += 46 + name + extra + comment;
+    }
+    return files;
+  };
+  const { frame } = (await server.get("/api/state")).body;
+  const all = await run_export({ format: "png" }, "?w=96&h=54");
+  const names = Object.keys(directory(all.bytes));
+  assert.equal(names.length, frame + 2, "frames 0 to the newest, and the table");
+  assert.ok(names.includes("tear-png/png/000000.png") && names.includes("tear-png/frames.csv"));
+  const png = all.bytes.indexOf("\x89PNG\r\n\x1a\n", 0, "latin1");
+  assert.deepEqual([all.bytes.readUInt32BE(png + 16), all.bytes.readUInt32BE(png + 20)], [96, 54]);
+  const some = directory((await run_export({ format: "vtp", first: 1, last: 2 })).bytes);
+  for (const name of ["mesh/000001.vtp", "mesh/000002.vtp", "particles/000002.vtp", "mesh.pvd", "frames.csv"])
+    assert.ok(some[`tear-vtp/${name}`] > 100, name);
+  assert.equal(Object.keys(some).length, 7);
+  assert.equal((await server.get(`/api/exports/${all.job.id}`)).status, 404, "the last one only");
+  for (const [order, pointer] of [
+    [{ format: "gif" }, "/format"],
+    [{}, "/format"],
+    [{ format: "png", first: 5, last: 2 }, "/last"],
+    [{ format: "png", first: 0.5 }, "/first"],
+    [{ format: "png", first: 100000 }, "/first"],
+    [{ format: "png", folder: "/etc" }, "/folder"],
+  ]) {
+    const refused = await server.send("POST", "/api/exports", order);
+    assert.equal(refused.status, 422, JSON.stringify(order));
+    assert.equal(refused.body.pointer, pointer, JSON.stringify(order));
+  }
+  const { id } = (await server.send("POST", "/api/exports?w=1600&h=900", { format: "png" })).body;
+  const second = await server.send("POST", "/api/exports", { format: "png" });
+  assert.equal(second.status, 409);
+  assert.equal((await server.send("DELETE", `/api/exports/${id}`)).status, 200);
+  let job;
+  do job = (await server.get(`/api/exports/${id}`)).body;
+  while (job.status === "running");
+  assert.equal(job.status, "cancelled");
+  assert.equal((await server.get(`/api/exports/${id}/file`)).status, 404);
+});
+
 test("a port that is taken is told, with exit code 2", async () => {
   const second = spawn(binary, ["serve", "tear", "--port", new URL(server.url).port], {
     env: { ...process.env, REND_ROOT: root },

@@ -228,6 +228,45 @@ test("downloads: picture, mesh and table", async () => {
   });
 });
 
+test("all frames: an archive, how far it is, cancelling, and why it failed", async () => {
+  await with_page(async (page, run) => {
+    const text = (id) => page.locator(id).innerText();
+    run.set({ frame: 4 });
+    await until("frame 4", async () => (await page.locator("#read-frame").textContent()) === "4");
+    await page.locator("#export-button").click();
+    await page.getByLabel("All", { exact: true }).check();
+    assert.match(await text("#export-picture-note"), /PNG of frames 0 to 4, 1920 × \d+, in a ZIP/);
+    run.export_held = true;
+    await page.locator("#export-picture").click();
+    await until("progress", async () => /Frame 1 of 5, 2 s left/.test(await text("#export-job")));
+    const downloaded = page.waitForEvent("download");
+    run.export_held = false;
+    const file = await downloaded;
+    assert.equal(file.suggestedFilename(), "tear-png.zip");
+    assert.match(await text("#toast"), /tear-png.zip, 48.2 MB/);
+    assert.equal(await page.locator("#export-job").isVisible(), false);
+    const [{ format, first, last, w, eye }] = run.orders;
+    assert.deepEqual([format, first, last, w, eye.split(",").length], ["png", 0, 4, 1920, 3]);
+
+    run.set({ frame: 90 });
+    await page.locator("#export-format").selectOption("vtp");
+    await until("the new range", async () => /VTP of frames 0 to 90/.test(await text("#export-mesh-note")));
+    run.export_held = true;
+    await page.locator("#export-mesh").click();
+    await until("a job", () => page.locator("#export-job").isVisible());
+    await page.locator("#export-picture").click();
+    await until("a refusal", async () => /Another export/.test(await text("#toast")));
+    assert.equal(await page.locator("#export-job").isVisible(), true, "the first job goes on");
+    await page.locator("#export-cancel").click();
+    await until("cancelled", async () => /cancelled/.test(await text("#toast")));
+    assert.equal(await page.locator("#export-job").isVisible(), false);
+    await page.locator("#export-mesh").click();
+    await until("another job", () => run.exported.id === 3);
+    run.exported.status = "failed";
+    await until("the reason", async () => /failed: the disk is full/.test(await text("#toast")));
+  });
+});
+
 test("folded panels are remembered", async () => {
   await with_page(async (page) => {
     await page.locator("#gallery-button").click();

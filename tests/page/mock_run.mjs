@@ -90,6 +90,9 @@ export class MockRun {
       pulls: [],
       probes: [],
       looking: null,
+      exported: null,
+      export_held: false,
+      orders: [],
       frame_requests: [],
       patch_ms: 0,
       picture_ms: 0,
@@ -281,6 +284,22 @@ export class MockRun {
         yielded: true,
       },
     };
+  }
+
+  /// A job of which one frame more is done with every look at it, but no second one while it is held.
+  start_export(order, query) {
+    this.orders.push({ ...order, w: Number(query.get("w")), eye: query.get("eye") });
+    const { format, first, last } = order;
+    const id = (this.exported?.id ?? 0) + 1;
+    this.exported = { id, status: "running", name: `tear-${format}`, done: 0, of: last - first + 1 };
+    return id;
+  }
+
+  look_at_export() {
+    const job = this.exported;
+    if (job.status === "running" && !(this.export_held && job.done) && ++job.done >= job.of)
+      job.status = "done";
+    return { ...job, seconds_left: 0.4 * (job.of - job.done), bytes: 48.2e6, reason: "the disk is full" };
   }
 
   act_on(pull) {

@@ -152,6 +152,20 @@ async function answer_api(run, request, url, response) {
   }
   if (/^\/api\/frames\/\d+\/mesh\.(ply|vtp|obj|glb)$/.test(pathname))
     return response.end("ply\nformat ascii 1.0\nend_header\n");
+  if (what === "POST /api/exports") {
+    if (run.exported?.status === "running")
+      return json(response, 409, { title: "Conflict", detail: "Another export is running." });
+    return json(response, 200, { id: run.start_export(JSON.parse(await body_of(request)), query) });
+  }
+  if (what === `DELETE /api/exports/${run.exported?.id}`) {
+    run.exported.status = "cancelled";
+    return json(response, 200, { id: run.exported.id });
+  }
+  if (what === `GET /api/exports/${run.exported?.id}`) return json(response, 200, run.look_at_export());
+  if (what === `GET /api/exports/${run.exported?.id}/file`) {
+    response.writeHead(200, { "content-type": "application/zip" });
+    return response.end("PK");
+  }
   if (what === "POST /api/meshes") {
     const body = await body_of(request),
       name = query.get("name");

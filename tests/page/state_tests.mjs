@@ -72,6 +72,18 @@ const STATES = [
     async (page) => page.keyboard.press("Escape"),
   ],
   [
+    "export job",
+    async (page) => {
+      await page.locator("#export-button").click();
+      await page.getByLabel("All", { exact: true }).check();
+      await page.evaluate(() => {
+        document.querySelector("#export-job").hidden = false;
+        document.querySelector("#export-job-text").textContent = "Frame 31 of 96, 12 s left";
+      });
+    },
+    async (page) => page.keyboard.press("Escape"),
+  ],
+  [
     "drop",
     async (page) =>
       page.evaluate(() => {

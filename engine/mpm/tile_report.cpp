@@ -19,10 +19,12 @@ namespace {
 
 // Volumes in cells are floats, so that whole multiples of this unit add up exactly, in any order.
 constexpr Real kVolumeUnit = 0x1p-44;
+// 64 bits would hold 2^19 cells: four million particles.
+__extension__ typedef __int128 VolumeSum;
 
 struct ReportSums {
   Real kinetic = 0, affine = 0, elastic = 0, gravity = 0, power = 0, max_speed2 = 0;
-  std::vector<std::int64_t> volume;  // of each material, in units
+  std::vector<VolumeSum> volume;  // of each material, in units
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
   Index yielded = 0, damaged = 0;
   ReportSums& operator+=(const ReportSums& o) {

@@ -15,6 +15,7 @@ namespace rend {
 namespace {
 
 constexpr int kNeighbors = 27;
+constexpr float kMostVolume = 65536;  // of a particle, cells; those of scenes have ten at most
 
 Vec3i neighbor_offset(int k) { return Vec3i(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1); }
 
@@ -331,9 +332,11 @@ bool TileStore::State::fits(Index count, std::size_t materials) const {
       const Index id = ids[slot];
       if (i >= runs[r].count ? id != -1 : id < 0 || id >= count) return false;
       if (id >= 0 && seen[static_cast<std::size_t>(id)]++ != 0) return false;
-      // Particles are within a cell of their block.
+      // Particles are within a cell of their block, and pads have no volume.
       const float* lane =
           tiles.data() + slot / kLanes * static_cast<std::size_t>(layout.floats()) + slot % kLanes;
+      const float volume = std::abs(lane[TileLayout::kVolume * kLanes]);
+      if (id < 0 ? volume != 0 : !(volume > 0 && volume <= kMostVolume)) return false;
       for (int a = 0; a < 3; ++a)
         if (!(lane[a * kLanes] >= -2 && lane[a * kLanes] <= 5)) return false;
     }

@@ -292,6 +292,12 @@ TEST_CASE("tile: free fall is exact, a lone particle keeps its momentum far from
   CHECK((s.x[0] - exact).norm() <= 1e-4);
 }
 
+TEST_CASE("tile: the mass of 720,000 cells of matter is exact") {
+  LatticeModel body;
+  body.add_box(Vec3::Zero(), Vec3i(8, 9, 10), 10);  // particles of 1000 cells each
+  CHECK(TileSolver(float_scene(), body.model).snapshot().report.mass == 720000);
+}
+
 TEST_CASE("tile: a lone particle with anisotropic strain stays bounded at the rule's step") {
   SceneDesc scene = float_scene();
   LatticeModel body;

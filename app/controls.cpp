@@ -1,7 +1,13 @@
 // The controls table.
 #include "app/controls.h"
 
+#include "engine/core/error.h"
+#include "engine/scene/crack_band.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace rend {
 
@@ -19,12 +25,25 @@ void set_range(Control& control, Real value, Real allowed_min, Real allowed_max)
   }
 }
 
+Control fracture_energy(const MaterialDesc& material, std::size_t m, const std::string& id, const std::string& group) {
+  Control c{id, "Fracture energy", "J/m2", "What a crack takes per area; softening follows from it.", group};
+  set_range(c, *material.fracture_energy, 1e-9, 1e12);
+  c.get = [m](const SceneDesc& s) { return *s.materials[m].fracture_energy; };
+  c.set = [m](SceneDesc& s, Real value) { s.materials[m].fracture_energy = value; };
+  return c;
+}
+
 void add_material(std::vector<Control>& controls, const SceneDesc& scene, std::size_t m) {
   const MaterialDesc& material = scene.materials[m];
   const std::string pointer = "/materials/" + material.name;
   const std::string group = scene.materials.size() > 1 ? "Material " + material.name : "Material";
   const auto parameters = yield_surface_parameters(material.yield_surface.type);
+  const auto softening = find_parameter(material.yield_surface.type, "softening");
   for (std::size_t k = 0; k < parameters.size(); ++k) {
+    if (k == softening && material.fracture_energy) {
+      controls.push_back(fracture_energy(material, m, pointer + "/yield_surface/fracture_energy", group));
+      continue;
+    }
     const Parameter& parameter = parameters[k];
     Control c{pointer + "/yield_surface/" + parameter.name, parameter.label, parameter.unit, parameter.help, group};
     set_range(c, material.yield_surface.value[k], parameter.min, parameter.max);
@@ -80,6 +99,29 @@ std::vector<Control> make_controls(const SceneDesc& scene) {
   controls.push_back(std::move(gravity));
   add_fracture(controls, scene);
   return controls;
+}
+
+void set_values(SceneDesc& scene, const std::vector<Control>& controls, const ControlValues& values) {
+  SceneDesc changed = scene;
+  for (const auto& [id, value] : values) {
+    const auto control = std::find_if(controls.begin(), controls.end(), [&, &id = id](const Control& c) { return c.id == id; });
+    const std::string where = "/values/" + id;
+    if (control == controls.end()) throw Error(where, "there is no such control");
+    if (!std::isfinite(value) || value < control->min || value > control->max)
+      throw Error(where, fmt::format("{} is out of range; {} to {} {} is allowed", value, control->min, control->max,
+                                     control->unit));
+    if (control->whole && value != std::floor(value)) throw Error(where, fmt::format("{} is not a whole number", value));
+    control->set(changed, value);
+  }
+  for (std::size_t m = 0; m < changed.materials.size(); ++m) {
+    const std::string& name = changed.materials[m].name;
+    try {
+      derive_softening(changed, m, "/materials/" + name);
+    } catch (const Error& error) {
+      throw Error(error.where(), "the fracture energy of \"" + name + "\" " + error.why());
+    }
+  }
+  scene = std::move(changed);
 }
 
 }  // namespace rend

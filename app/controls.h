@@ -4,6 +4,7 @@
 #include "engine/scene/scene_desc.h"
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -27,5 +28,13 @@ struct Control {
 
 /// Controls of a scene in the order in which the page shows them: material numbers, gravity, fracture.
 std::vector<Control> make_controls(const SceneDesc& scene);
+
+/// Control id -> value.
+using ControlValues = std::map<std::string, Real>;
+
+/// Sets the values in `scene`; a material with a fracture_energy gets the softening that its other numbers ask for
+/// then. @throws Error, and changes nothing, at /values/ID for an id that is none and a value out of range, and at the
+/// material when its stress would snap back.
+void set_values(SceneDesc& scene, const std::vector<Control>& controls, const ControlValues& values);
 
 }  // namespace rend

@@ -87,16 +87,8 @@ void Session::send(Command command) {
   {
     const std::lock_guard lock(mutex_);
     if (const auto* set = std::get_if<SetValues>(&command)) {
-      for (const auto& [id, value] : set->values) {
-        const auto control = std::find_if(state_.controls.begin(), state_.controls.end(),
-                                          [&, &id = id](const Control& c) { return c.id == id; });
-        if (control == state_.controls.end()) throw Error("/values/" + id, "there is no such control");
-        if (!std::isfinite(value) || value < control->min || value > control->max)
-          throw Error("/values/" + id, fmt::format("{} is out of range; {} to {} {} is allowed", value, control->min,
-                                                   control->max, control->unit));
-        if (control->whole && value != std::floor(value))
-          throw Error("/values/" + id, fmt::format("{} is not a whole number", value));
-      }
+      SceneDesc trial = state_.stage ? state_.stage->scene : SceneDesc{};
+      set_values(trial, state_.controls, set->values);
     }
     queue_.push_back(std::move(command));
   }
@@ -204,22 +196,32 @@ void Session::apply(const Command& command) {
     log("\"reset\":true");
     if (state_.run != RunState::playing) set_run(RunState::paused);
   } else if (const auto* set = std::get_if<SetValues>(&command); set && pipeline_) {
-    bool live = false;
-    for (const Control& control : state_.controls) {
-      const auto value = set->values.find(control.id);
-      if (value == set->values.end()) continue;
-      control.set(scene_, value->second);
-      (control.applies == Applies::live ? live : remesh_needed_) = true;
-      log(fmt::format("\"set\":\"{}\",\"value\":{}", control.id, value->second));
-    }
-    if (live) pipeline_->apply(scene_);
-    auto stage = std::make_shared<Stage>(*state_.stage);
-    stage->scene = scene_;
-    update([&](SessionState& s) { s.stage = std::move(stage); });
+    apply_values(set->values);
   } else if (const auto* pull = std::get_if<SetPull>(&command); pull && pipeline_) {
     set_pull(*pull);
     if (pull->pull.radius > 0 && state_.run == RunState::paused) set_run(RunState::playing);
   }
+}
+
+void Session::apply_values(const ControlValues& values) {
+  try {
+    set_values(scene_, state_.controls, values);
+  } catch (const Error& error) {
+    // It fitted the scene as it was when it was sent, not what other changes have made of it since.
+    update([&](SessionState& s) { s.notes.push_back(error.why()); });
+    return;
+  }
+  bool live = false;
+  for (const Control& control : state_.controls) {
+    const auto value = values.find(control.id);
+    if (value == values.end()) continue;
+    (control.applies == Applies::live ? live : remesh_needed_) = true;
+    log(fmt::format("\"set\":\"{}\",\"value\":{}", control.id, value->second));
+  }
+  if (live) pipeline_->apply(scene_);
+  auto stage = std::make_shared<Stage>(*state_.stage);
+  stage->scene = scene_;
+  update([&](SessionState& s) { s.stage = std::move(stage); });
 }
 
 void Session::set_pull(const SetPull& set) {

@@ -32,7 +32,7 @@ struct Play {};
 struct Pause {};
 struct Step { int frames; };
 struct Reset {};
-struct SetValues { std::map<std::string, Real> values; };  ///< control id -> value, checked before it is queued
+struct SetValues { ControlValues values; };  ///< checked before it is queued
 struct SetPull {
   PullForce pull;
   bool keeps_grip = false;  ///< the spring that acts goes on from its grip; without one nothing happens
@@ -107,6 +107,7 @@ class Session {
   bool keep_stepping();
   void prepare(const std::string& name);
   void start_pipeline();
+  void apply_values(const ControlValues& values);
   void set_pull(const SetPull& set);
   void release_forgotten_pull();
   void step_frame();

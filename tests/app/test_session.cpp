@@ -13,6 +13,14 @@ using namespace rend;
 
 namespace {
 
+/// The small scene with a fracture energy in place of softening.
+std::string energy_scene(const char* tau_c) {
+  std::string text = test::small_scene();
+  text.replace(text.find("\"softening\": 1e5"), 16, "\"fracture_energy\": 100");
+  text.replace(text.find("8e3"), 3, tau_c);
+  return text;
+}
+
 /// A session on a folder that holds the small scene.
 struct Bench {
   test::TemporaryFolder folder;
@@ -22,6 +30,8 @@ struct Bench {
     std::filesystem::create_directory(folder.path() / "scenes");
     folder.write("scenes/small.json", test::small_scene());
     folder.write("scenes/wrong.json", "{}");
+    folder.write("scenes/energy.json", energy_scene("8e3"));
+    folder.write("scenes/strong.json", energy_scene("1.1e4"));
     session = std::make_unique<Session>(SceneLibrary(folder.path()), "small");
     wait([](const SessionState& s) { return s.last_frame >= 0; });
   }
@@ -117,6 +127,27 @@ TEST_CASE("commands are checked before they are queued") {
   CHECK_THROWS_AS(bench.session->send(SetValues{{{"/materials/clay/colour", 1}}}), Error);
   CHECK_THROWS_AS(bench.session->send(SetValues{{{kThreshold, -1}}}), Error);
   CHECK_THROWS_AS(bench.session->send(SetValues{{{kThreshold, std::nan("")}}}), Error);
+}
+
+TEST_CASE("softening follows from the fracture energy when the threshold changes") {
+  Bench bench;
+  bench.session->send(LoadScene{"energy"});
+  const SessionState before =
+      bench.wait([](const SessionState& now) { return now.scene_name == "energy" && now.last_frame == 0; });
+  const auto softening = [](const SceneDesc& scene) { return scene.materials[0].yield_surface.value[1]; };
+  const auto has = [&](const std::string& id) {
+    return std::any_of(before.controls.begin(), before.controls.end(), [&](const Control& c) { return c.id == id; });
+  };
+  CHECK(has("/materials/clay/yield_surface/fracture_energy"));
+  CHECK_FALSE(has("/materials/clay/yield_surface/softening"));
+  bench.session->send(SetValues{{{kThreshold, 1.1e4}}});
+  const SessionState after = bench.wait([&](const SessionState& now) { return now.revision > before.revision; });
+  CHECK(softening(after.stage->scene) > 1.4 * softening(before.stage->scene));
+  CHECK(softening(after.stage->scene) == softening(bench.session->library().read("strong")));
+  // Too little energy for so wide a band: the stress would snap back.
+  CHECK_THROWS_WITH_AS(
+      bench.session->send(SetValues{{{"/materials/clay/yield_surface/fracture_energy", 5}}}),
+      doctest::Contains("the fracture energy of \"clay\" is 5 J/m2"), Error);
 }
 
 TEST_CASE("a scene that does not load leaves a message and the next one loads") {

@@ -71,4 +71,6 @@ export async function until(what, check, milliseconds = 15000) {
 
 export const frame_of = async (page) => Number(await page.locator("#read-frame").textContent());
 export const play_label = (page) => page.locator("#play-button").getAttribute("aria-label");
+/// The page of a mock run that stands still knows its newest state.
+export const caught_up = (run) => until("the newest state", () => run.heard === run.revision);
 export const settled = (page, milliseconds = 350) => page.waitForTimeout(milliseconds);

@@ -90,6 +90,7 @@ export class MockRun {
       pulls: [],
       probes: [],
       looking: null,
+      heard: 0, // the newest revision that the page knows
       exported: null,
       export_held: false,
       orders: [],

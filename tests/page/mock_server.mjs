@@ -109,6 +109,7 @@ async function answer_api(run, request, url, response) {
     return json(response, 200, { revision: run.revision });
   }
   if (what === "GET /api/state") {
+    run.heard = Number(query.get("after"));
     if (Number(query.get("after")) === run.revision)
       await run.change_within(Number(query.get("wait") ?? 0));
     return json(response, 200, run.state());

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { test } from "node:test";
-import { open_page, picture_of, settled, until } from "./browser.mjs";
+import { caught_up, open_page, picture_of, settled, until } from "./browser.mjs";
 import { start_mock } from "./mock_server.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -319,10 +319,10 @@ test("energy out of bounds warns until it is dismissed, and again after it was i
   await until("new figures", async () => /4 J/.test(await banner.innerText()));
   await banner.getByRole("button", { name: "Dismiss the warning" }).click();
   mock.run.set({ energy_warning: "The run has gained 5 J that nothing put in; lower cfl." });
-  await settled(page);
+  await caught_up(mock.run);
   assert.equal(await banner.isVisible(), false);
   mock.run.set({ energy_warning: null });
-  await settled(page);
+  await caught_up(mock.run);
   mock.run.set({ energy_warning: "Transfers have damped 9 J, 60 % of the energy." });
   await banner.waitFor();
   assert.match(await banner.innerText(), /damped 9 J/);

@@ -133,23 +133,21 @@ test("keys pull too: Enter takes hold in the middle, arrows move the end, Enter 
 
 test("in the past and after the end pulling says what to do instead", async () => {
   await with_page(async (page, run, at) => {
-    const press = async () => {
+    const toast_of_press = async (text) => {
       await page.mouse.move(...at(0.5, 0.5));
       await page.mouse.down();
-      await settled(page, 200);
+      await until("a way", async () => text.test(await page.locator("#toast").innerText()));
       await page.mouse.up();
     };
     run.set({ frame: 60 });
     await until("frame 60", async () => (await page.locator("#read-frame").textContent()) === "60");
     await page.locator("#scrub").fill("20");
-    await press();
-    await until("a way", async () => /newest/.test(await page.locator("#toast").innerText()));
+    await toast_of_press(/newest/);
     await page.locator("#toast button").click();
     await until("newest", async () => (await page.locator("#read-frame").textContent()) === "60");
     run.set({ frame: 120, status: "finished" });
     await until("finished", async () => /120/.test(await page.locator("#read-frame").textContent()));
-    await press();
-    await until("a way", async () => /Reset to pull/.test(await page.locator("#toast").innerText()));
+    await toast_of_press(/Reset to pull/);
     assert.equal(run.pulls.length, 0);
     await page.locator("#toast button").click();
     await until("reset", () => run.frame === 0);

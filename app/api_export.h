@@ -7,7 +7,8 @@
 
 namespace rend {
 
-/// POST /api/exports, GET and DELETE /api/exports/{id}, GET /api/exports/{id}/file (docs/api.md).
+/// GET and POST /api/exports, GET and DELETE /api/exports/{id}, GET /api/exports/{id}/file
+/// (docs/api.md).
 std::vector<web::Route> export_routes(ApiContext context);
 
 }  // namespace rend

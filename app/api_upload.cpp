@@ -25,14 +25,6 @@ constexpr Real kGripShare = 0.14;  // of the longest axis, at each end
 constexpr Real kTravel = 0.4;      // of each grip [m]
 constexpr Real kGroundGap = 0.08;  // below the body [m]
 
-/// Letters, digits, '-' and '_' only, so that the name serves as file name and in an address.
-std::string clean_stem(const std::string& file_name) {
-  std::string stem = fs::path(file_name).stem().string().substr(0, 40);
-  for (char& c : stem)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
-  return stem.empty() ? "mesh" : stem;
-}
-
 json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// A box around what lies within the grip's share of one end.
@@ -140,7 +132,7 @@ UploadedMesh MeshUploads::add(const std::string& file_name, std::string_view byt
   if (!(size.minCoeff() > 0)) throw Error("file", file_name + " is flat: it encloses no volume");
 
   const std::lock_guard lock(mutex_);
-  uploaded.name = free_name(clean_stem(file_name));
+  uploaded.name = free_name(plain_name(fs::path(file_name).stem().string(), "mesh"));
   // A folder for each, so that names in it are free.
   const fs::path place = folder_ / std::to_string(count_++);
   std::string ending = fs::path(file_name).extension().string();

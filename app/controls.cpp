@@ -118,7 +118,11 @@ void set_values(SceneDesc& scene, const std::vector<Control>& controls, const Co
     try {
       derive_softening(changed, m, "/materials/" + name);
     } catch (const Error& error) {
-      throw Error(error.where(), "the fracture energy of \"" + name + "\" " + error.why());
+      const std::string pointer = "/materials/" + name + "/";
+      const auto own = values.lower_bound(pointer);
+      const bool asked = own != values.end() && own->first.starts_with(pointer);
+      throw Error(asked ? "/values/" + own->first : error.where(),
+                  "the fracture energy of \"" + name + "\" " + error.why());
     }
   }
   scene = std::move(changed);

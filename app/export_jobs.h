@@ -2,7 +2,9 @@
 #pragma once
 
 #include "app/session.h"
+#include "web/file_body.h"
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -22,12 +24,16 @@ struct ExportedFile {
   bool packed = false;  ///< does not become smaller
 };
 
+/// False when the job is to end.
+using KeepOn = std::function<bool()>;
+
 struct ExportOrder {
   std::string name;  ///< of the archive and of the one folder in it
   std::vector<std::shared_ptr<const RecordedFrame>> frames;
-  /// The files of one frame; throws Error when there is no more to come.
-  std::function<std::vector<ExportedFile>(const RecordedFrame&)> files_of;
-  std::vector<ExportedFile> beside;  ///< what belongs to the run as a whole
+  /// The files of one frame; any, when it is told not to keep on. @throws Error to end the job.
+  std::function<std::vector<ExportedFile>(const RecordedFrame&, const KeepOn&)> files_of;
+  /// What belongs to the frames as a whole; called last.
+  std::function<std::vector<ExportedFile>()> beside;
 };
 
 enum class ExportState { running, done, cancelled, failed };
@@ -42,8 +48,8 @@ struct ExportStatus {
   std::string reason;            ///< why it failed
 };
 
-/// Any thread may call. The archive lies in a folder of its own that goes when this does; a new job
-/// takes the place of the last one.
+/// Any thread may call. Archives lie in a folder of its own that goes when this does; the last one
+/// that is finished stays until another is.
 class ExportJobs {
  public:
   ExportJobs();
@@ -53,22 +59,26 @@ class ExportJobs {
 
   /// The number of the job; none while another runs. @throws Error for an order without frames.
   std::optional<int> start(ExportOrder order);
-  /// None for a number that is not the last one given.
+  /// The number of the job that runs.
+  std::optional<int> running() const;
+  /// Of the newest job and of the one whose archive is kept; none for other numbers.
   std::optional<ExportStatus> status(int id) const;
   /// Ends a job that runs, and removes the archive of one that is done. False as above.
   bool cancel(int id);
-  /// The finished archive; empty when there is none.
-  std::filesystem::path archive(int id) const;
+  /// The finished archive, null when there is none.
+  std::shared_ptr<const web::FileBody> archive(int id) const;
 
  private:
-  void run(const ExportOrder& order);
-  std::filesystem::path file() const;
+  void run(ExportOrder order, int id);
+  std::filesystem::path file(int id) const;
+  const ExportStatus* find(int id) const;
+  void forget_kept();
 
   std::filesystem::path folder_;
   mutable std::mutex mutex_;
-  int id_ = 0;
-  bool cancel_ = false;
-  ExportStatus status_;
+  int id_ = 0, kept_id_ = 0;  ///< the newest job, and an older one whose archive is still there
+  ExportStatus status_, kept_;
+  std::atomic<bool> cancel_ = false;
   std::thread thread_;
 };
 

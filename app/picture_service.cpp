@@ -30,6 +30,25 @@ std::string encode(const Image& image, PictureFormat format) {
 
 }  // namespace
 
+Picture draw_picture(Renderer& renderer, const Stage& stage, const Frame& frame, const View& view, PictureFormat format,
+                     const std::function<bool()>& keep_on) {
+  Picture picture;
+  const double start = now();
+  Drawing drawing = make_drawing(stage, frame, view);
+  picture.caption = drawing.list.coloring.caption;
+  picture.low = drawing.list.coloring.low;
+  picture.high = drawing.list.coloring.high;
+  if (!view.legend) drawing.list.coloring.caption.clear();
+  const Image image =
+      renderer.draw(drawing.list, view.camera, {view.width, view.height, view.accumulate, keep_on});
+  if (image.rgb.empty()) return picture;
+  const double drawn = now();
+  picture.bytes = encode(image, format);
+  picture.render_seconds = drawn - start;
+  picture.encode_seconds = now() - drawn;
+  return picture;
+}
+
 struct PictureService::Job {
   std::string key;
   std::shared_ptr<const Stage> stage;
@@ -41,7 +60,7 @@ struct PictureService::Job {
   bool done = false;
 };
 
-PictureService::PictureService(GlBackend backend) : thread_([this, backend] { run(backend); }) {
+PictureService::PictureService(GlBackend backend) : backend_(backend), thread_([this] { run(); }) {
   std::unique_lock lock(mutex_);
   wake_.wait(lock, [&] { return ready_ || !failure_.empty(); });
   if (failure_.empty()) return;
@@ -85,10 +104,10 @@ std::shared_ptr<const Picture> PictureService::picture(const std::string& frame_
   return job->picture;
 }
 
-void PictureService::run(GlBackend backend) {
+void PictureService::run() {
   std::unique_ptr<Renderer> renderer;
   try {
-    renderer = std::make_unique<Renderer>(backend);
+    renderer = std::make_unique<Renderer>(backend_);
   } catch (const Error& error) {
     const std::lock_guard lock(mutex_);
     failure_ = error.what();
@@ -107,21 +126,12 @@ void PictureService::run(GlBackend backend) {
       if (quit_) return;
       job = jobs_.front();
     }
-    auto picture = std::make_shared<Picture>();
+    std::shared_ptr<const Picture> picture;
     std::string failure;
     try {
-      const double start = now();
-      Drawing drawing = make_drawing(*job->stage, job->frame, job->view);
-      picture->caption = drawing.list.coloring.caption;
-      picture->low = drawing.list.coloring.low;
-      picture->high = drawing.list.coloring.high;
-      if (!job->view.legend) drawing.list.coloring.caption.clear();
-      const Image image =
-          renderer->draw(drawing.list, job->view.camera, {job->view.width, job->view.height, job->view.accumulate});
-      const double drawn = now();
-      picture->bytes = encode(image, job->format);
-      picture->render_seconds = drawn - start;
-      picture->encode_seconds = now() - drawn;
+      picture = std::make_shared<const Picture>(draw_picture(*renderer, *job->stage, job->frame, job->view, job->format,
+                                                             [&] { return !quit_; }));
+      if (picture->bytes.empty()) return;  // the service is stopping
       last_render_seconds_ = picture->render_seconds;
       last_encode_seconds_ = picture->encode_seconds;
     } catch (const Error& error) {

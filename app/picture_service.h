@@ -1,4 +1,4 @@
-// Pictures on demand: one thread owns the GL context, equal requests share one picture, the newest come first.
+// Pictures on demand: one thread owns the GL context, equal requests share one picture.
 #pragma once
 
 #include "app/session.h"
@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -26,6 +27,11 @@ struct Picture {
   double render_seconds = 0, encode_seconds = 0;
 };
 
+/// Draws and encodes; between passes it asks whether to `keep_on`, and gives an empty picture when not. @throws Error
+/// when drawing fails.
+Picture draw_picture(Renderer& renderer, const Stage& stage, const Frame& frame, const View& view, PictureFormat format,
+                     const std::function<bool()>& keep_on = {});
+
 class PictureService {
  public:
   /// Starts the thread and makes the GL context in it. @throws Error when no context can be made.
@@ -39,21 +45,24 @@ class PictureService {
   std::shared_ptr<const Picture> picture(const std::string& frame_key, std::shared_ptr<const Stage> stage,
                                          const Frame& frame, const View& view, PictureFormat format);
 
+  GlBackend backend() const { return backend_; }
   const std::string& describe() const { return describe_; }
   double last_render_seconds() const { return last_render_seconds_; }
   double last_encode_seconds() const { return last_encode_seconds_; }
 
  private:
   struct Job;
-  void run(GlBackend backend);
+  void run();
   std::shared_ptr<const Picture> remembered(const std::string& key);
 
+  const GlBackend backend_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::shared_ptr<Job>> jobs_;
   std::list<std::pair<std::string, std::shared_ptr<const Picture>>> cache_;  ///< newest first
   std::string describe_, failure_;
-  bool ready_ = false, quit_ = false;
+  bool ready_ = false;
+  std::atomic<bool> quit_ = false;
   std::atomic<double> last_render_seconds_ = 0, last_encode_seconds_ = 0;
   std::thread thread_;
 };

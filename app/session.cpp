@@ -87,8 +87,9 @@ void Session::send(Command command) {
   {
     const std::lock_guard lock(mutex_);
     if (const auto* set = std::get_if<SetValues>(&command)) {
-      SceneDesc trial = state_.stage ? state_.stage->scene : SceneDesc{};
+      SceneDesc trial = queued_scene_ ? *queued_scene_ : state_.stage ? state_.stage->scene : SceneDesc{};
       set_values(trial, state_.controls, set->values);
+      queued_scene_ = std::move(trial);
     }
     queue_.push_back(std::move(command));
   }
@@ -115,6 +116,17 @@ std::vector<std::shared_ptr<const RecordedFrame>> Session::frames_from(Index fro
   const std::lock_guard lock(mutex_);
   const Index slot = std::clamp<Index>(from - state_.first_frame, 0, static_cast<Index>(recorded_.size()));
   return {recorded_.begin() + slot, recorded_.end()};
+}
+
+std::pair<SessionState, std::vector<std::shared_ptr<const RecordedFrame>>> Session::recording(Index first,
+                                                                                              Index last) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<const RecordedFrame>> frames;
+  for (const auto& recorded : recorded_) {
+    const Index number = recorded->frame.snapshot->frame;
+    if (number >= first && number <= last) frames.push_back(recorded);
+  }
+  return {state_, frames};
 }
 
 std::vector<std::string> Session::command_log() const {
@@ -173,6 +185,8 @@ void Session::apply_queue() {
     commands.swap(queue_);
   }
   for (const Command& command : commands) apply(command);
+  const std::lock_guard lock(mutex_);
+  if (queue_.empty()) queued_scene_.reset();
 }
 
 void Session::apply(const Command& command) {
@@ -206,10 +220,8 @@ void Session::apply(const Command& command) {
 void Session::apply_values(const ControlValues& values) {
   try {
     set_values(scene_, state_.controls, values);
-  } catch (const Error& error) {
-    // It fitted the scene as it was when it was sent, not what other changes have made of it since.
-    update([&](SessionState& s) { s.notes.push_back(error.why()); });
-    return;
+  } catch (const Error&) {
+    return;  // it was meant for a scene that another has replaced
   }
   bool live = false;
   for (const Control& control : state_.controls) {
@@ -307,6 +319,7 @@ void Session::prepare(const std::string& name) {
       s.model = model_;
       s.loaded = std::make_shared<SceneDesc>(scene_);
       s.controls = make_controls(scene_);
+      queued_scene_.reset();
       s.notes = model_->notes;
     });
     start_pipeline();

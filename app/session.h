@@ -19,6 +19,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -91,6 +92,9 @@ class Session {
   /// All recorded frames from number `from` on.
   std::vector<std::shared_ptr<const RecordedFrame>> frames_from(Index from) const;
 
+  /// The state together with the recorded frames from `first` to `last`, all of the same moment.
+  std::pair<SessionState, std::vector<std::shared_ptr<const RecordedFrame>>> recording(Index first, Index last) const;
+
   const SceneLibrary& library() const { return library_; }
   SceneLibrary& library() { return library_; }
 
@@ -125,6 +129,7 @@ class Session {
   mutable std::mutex mutex_;
   mutable std::condition_variable wake_;
   std::deque<Command> queue_;
+  std::optional<SceneDesc> queued_scene_;  ///< what queued values make of the scene; none when the queue is empty
   SessionState state_;  ///< written by the simulation thread only
   std::deque<std::shared_ptr<const RecordedFrame>> recorded_;
   std::vector<std::string> log_;

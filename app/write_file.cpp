@@ -6,12 +6,20 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <system_error>
 
 namespace rend {
+
+std::string plain_name(const std::string& name, const std::string& otherwise) {
+  std::string plain = name.substr(0, 40);
+  for (char& c : plain)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
+  return plain.empty() ? otherwise : plain;
+}
 
 void write_file(const std::filesystem::path& file, const std::string& bytes) {
   const std::filesystem::path temporary = file.string() + ".tmp";

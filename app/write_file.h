@@ -6,6 +6,10 @@
 
 namespace rend {
 
+/// `name` with letters, digits, '-' and '_' only, forty at most, so that it serves as file name and
+/// in an address; `otherwise` when nothing is left.
+std::string plain_name(const std::string& name, const std::string& otherwise);
+
 /// Writes bytes under a temporary name and renames. @throws Error naming the file when the disk
 /// refuses.
 void write_file(const std::filesystem::path& file, const std::string& bytes);

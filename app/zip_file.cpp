@@ -6,6 +6,7 @@
 #include <archive.h>
 #include <archive_entry.h>
 
+#include <cstring>
 #include <ctime>
 
 namespace rend {
@@ -19,8 +20,8 @@ struct ZipFile::State {
     if (code != ARCHIVE_OK) fail();
   }
   [[noreturn]] void fail() const {
-    const char* why = archive_error_string(out);
-    throw Error(file, std::string("cannot be written: ") + (why ? why : "unknown reason"));
+    // The library's own words name the whole path.
+    throw Error(file, std::string("cannot be written: ") + std::strerror(archive_errno(out)));
   }
 
   std::string file;

@@ -164,6 +164,7 @@ Image Renderer::draw(const DrawList& list, const Camera& camera, const DrawOptio
     const Look open = look;
     const bool full_sky = options.accumulate >= kFullSkyPasses;
     for (int pass = 0; pass < options.accumulate; ++pass) {
+      if (options.keep_on && !options.keep_on()) return {};
       const auto pixel = plane_point(pass), lamp = plane_point(pass + 7919),
                  dome = plane_point(pass + 104729);
       view.shift_x = pixel[0] - 0.5f;

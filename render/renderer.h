@@ -5,6 +5,7 @@
 #include "engine/fracture/surface_mesh.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,6 +63,8 @@ enum class GlBackend { automatic, osmesa, egl };
 struct DrawOptions {
   int width = 1280, height = 720;
   int accumulate = 1;           ///< passes of jittered pixel, light and sky; 1 is live quality, 64 a fine still
+  /// Asked between passes; at "no" the picture is given up and comes back empty.
+  std::function<bool()> keep_on = {};
 };
 
 /// Owns one GL context; use from one thread.

@@ -40,9 +40,10 @@ class Buffer {
  public:
   void make_room(std::size_t count) {
     if (count <= room_) return;
-    room_ = count + count / 4;
+    room_ = 0;
     values_.reset();
-    values_ = std::make_unique_for_overwrite<T[]>(room_);
+    values_ = std::make_unique_for_overwrite<T[]>(count + count / 4);
+    room_ = count + count / 4;
   }
   T& operator[](std::size_t i) const { return values_[i]; }
   std::size_t bytes() const { return room_ * sizeof(T); }

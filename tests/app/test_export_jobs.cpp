@@ -10,10 +10,14 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <condition_variable>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
+#include <vector>
 
 using namespace rend;
 namespace fs = std::filesystem;
@@ -60,8 +64,8 @@ ExportOrder numbered(int count, Gate& gate) {
   ExportOrder order;
   order.name = "run";
   order.frames.resize(static_cast<std::size_t>(count), std::make_shared<const RecordedFrame>());
-  order.beside = {{"frames.csv", "frame,time\n"}};
-  order.files_of = [&gate, number = 0](const RecordedFrame&) mutable {
+  order.beside = [] { return std::vector<ExportedFile>{{"frames.csv", "frame,time\n"}}; };
+  order.files_of = [&gate, number = 0](const RecordedFrame&, const KeepOn&) mutable {
     if (++number == 2) gate.pass();
     return std::vector<ExportedFile>{
         {fmt::format("png/{:06}.png", number), std::string(1000, static_cast<char>(number)), true}};
@@ -105,62 +109,128 @@ TEST_CASE("a disk that is full, or no folder, is an error with the name of the a
   CHECK_THROWS_WITH_AS(fill(), doctest::Contains("/dev/full"), Error);
 }
 
-TEST_CASE("a job says how far it is, another waits its turn, the archive is whole") {
-  fs::path archive;
-  {
-    Gate gate;
-    ExportJobs jobs;
-    const auto id = jobs.start(numbered(3, gate));
-    REQUIRE(id);
-    while (jobs.status(*id)->done < 1) std::this_thread::yield();
-    CHECK(jobs.status(*id)->of == 3);
-    CHECK(jobs.archive(*id).empty());
-    CHECK_FALSE(jobs.start(numbered(1, gate)));
-    gate.open();
-    const ExportStatus status = finished(jobs, *id);
-    CHECK(status.state == ExportState::done);
-    CHECK(status.done == 3);
-    archive = jobs.archive(*id);
-    CHECK(status.bytes == fs::file_size(archive));
-    const auto files = contents(archive);
-    CHECK(files.size() == 4);
-    CHECK(files.at("run/frames.csv") == "frame,time\n");
-    CHECK(files.at("run/png/000003.png") == std::string(1000, '\3'));
-    // A new job takes the place of the last.
-    const auto next = jobs.start(numbered(1, gate));
-    REQUIRE(next);
-    CHECK_FALSE(jobs.status(*id));
-    CHECK_FALSE(jobs.cancel(*id));
-    CHECK(finished(jobs, *next).done == 1);
-    CHECK(jobs.cancel(*next));
-    CHECK(jobs.status(*next)->state == ExportState::cancelled);
-    CHECK_FALSE(fs::exists(archive));
+namespace {
+
+/// Jobs whose folder of temporary files is one of the test's own.
+struct Place {
+  Place() {
+    setenv("TMPDIR", folder.path().c_str(), 1);
+    jobs = std::make_unique<ExportJobs>();
+    unsetenv("TMPDIR");
   }
-  CHECK_FALSE(fs::exists(archive.parent_path()));
+  ~Place() {
+    gate.open();
+    jobs.reset();
+  }
+
+  /// Names of all files there are.
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
+      if (entry.is_regular_file()) names.push_back(entry.path().filename());
+    return names;
+  }
+
+  test::TemporaryFolder folder;
+  Gate gate;
+  std::unique_ptr<ExportJobs> jobs;
+};
+
+fs::path path_of(const std::shared_ptr<const web::FileBody>& file) {
+  return "/proc/self/fd/" + std::to_string(file->descriptor());
 }
 
-TEST_CASE("cancelled, failed and empty jobs leave nothing behind") {
-  Gate gate;
-  ExportJobs jobs;
-  const auto cancelled = jobs.start(numbered(100, gate));
+}  // namespace
+
+TEST_CASE("a job says how far it is, another waits its turn, the archive is whole") {
+  Place place;
+  ExportJobs& jobs = *place.jobs;
+  const auto id = jobs.start(numbered(3, place.gate));
+  REQUIRE(id);
+  while (jobs.status(*id)->done < 1) std::this_thread::yield();
+  CHECK(jobs.status(*id)->of == 3);
+  CHECK(jobs.running() == *id);
+  CHECK_FALSE(jobs.archive(*id));
+  CHECK_FALSE(jobs.start(numbered(1, place.gate)));
+  place.gate.open();
+  const ExportStatus status = finished(jobs, *id);
+  CHECK(status.state == ExportState::done);
+  CHECK(status.done == 3);
+  CHECK_FALSE(jobs.running());
+  const auto archive = jobs.archive(*id);
+  REQUIRE(archive);
+  CHECK(status.bytes == archive->size());
+  const auto files = contents(path_of(archive));
+  CHECK(files.size() == 4);
+  CHECK(files.at("run/frames.csv") == "frame,time\n");
+  CHECK(files.at("run/png/000003.png") == std::string(1000, '\3'));
+}
+
+TEST_CASE("a finished archive stays until the next is finished") {
+  Place place;
+  ExportJobs& jobs = *place.jobs;
+  const auto first = jobs.start(numbered(1, place.gate));
+  CHECK(finished(jobs, *first).state == ExportState::done);
+  const auto second = jobs.start(numbered(2, place.gate));
+  CHECK(jobs.archive(*first));
+  CHECK(jobs.status(*first)->state == ExportState::done);
+  place.gate.open();
+  CHECK(finished(jobs, *second).state == ExportState::done);
+  CHECK_FALSE(jobs.status(*first));
+  CHECK_FALSE(jobs.cancel(*first));
+  CHECK(place.files() == std::vector<std::string>{"2.zip"});
+  CHECK(jobs.cancel(*second));
+  CHECK(jobs.status(*second)->state == ExportState::cancelled);
+  CHECK(place.files().empty());
+}
+
+TEST_CASE("cancelled, failed, abandoned and empty jobs leave nothing behind") {
+  Place place;
+  ExportJobs& jobs = *place.jobs;
+  const auto cancelled = jobs.start(numbered(100, place.gate));
   REQUIRE(cancelled);
   CHECK(jobs.cancel(*cancelled));
-  gate.open();
+  place.gate.open();
   CHECK(finished(jobs, *cancelled).state == ExportState::cancelled);
   CHECK(jobs.status(*cancelled)->done < 3);
-  CHECK(jobs.archive(*cancelled).empty());
+  CHECK(place.files().empty());
 
-  ExportOrder bad = numbered(2, gate);
-  bad.files_of = [](const RecordedFrame&) -> std::vector<ExportedFile> {
-    throw Error("picture", "no context");
+  const auto fails = [&](auto&& how) {
+    ExportOrder order = numbered(2, place.gate);
+    order.files_of = how;
+    const auto id = jobs.start(order);
+    const ExportStatus status = finished(jobs, *id);
+    CHECK(status.state == ExportState::failed);
+    CHECK_FALSE(jobs.archive(*id));
+    CHECK(place.files().empty());
+    return status.reason;
   };
-  const auto failed = jobs.start(bad);
-  REQUIRE(failed);
-  CHECK(finished(jobs, *failed).state == ExportState::failed);
-  CHECK(jobs.status(*failed)->reason == "no context");
-  CHECK(jobs.archive(*failed).empty());
+  using Files = std::vector<ExportedFile>;
+  CHECK(fails([](const RecordedFrame&, const KeepOn&) -> Files {
+          throw Error("picture", "no context");
+        }) == "no context");
+  CHECK(fails([](const RecordedFrame&, const KeepOn&) -> Files {
+          throw std::length_error("inner");
+        }) == "the export failed inside");
 
   CHECK_THROWS_WITH_AS(jobs.start(ExportOrder{}), doctest::Contains("/first"), Error);
   CHECK_FALSE(jobs.status(0));
   CHECK_FALSE(jobs.status(99));
+
+  // One that only ends when it is told to.
+  ExportOrder endless = numbered(2, place.gate);
+  endless.files_of = [](const RecordedFrame&, const KeepOn& keep_on) -> Files {
+    while (keep_on()) std::this_thread::yield();
+    return {};
+  };
+  CHECK(jobs.start(endless));
+  place.jobs.reset();
+  CHECK(fs::is_empty(place.folder.path()));
+}
+
+TEST_CASE("a folder that somebody has removed is made again") {
+  Place place;
+  for (const auto& entry : fs::directory_iterator(place.folder.path())) fs::remove_all(entry);
+  const auto id = place.jobs->start(numbered(1, place.gate));
+  CHECK(finished(*place.jobs, *id).state == ExportState::done);
 }

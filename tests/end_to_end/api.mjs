@@ -208,15 +208,22 @@ test("recorded frames are meshed again with other settings, and show what is clo
   assert.notEqual(renewed.headers.get("x-token"), before.headers.get("x-token"));
 });
 
+/// What becomes of an export.
+async function export_end(id) {
+  const deadline = Date.now() + 120_000 * patience;
+  while (Date.now() < deadline) {
+    const { body } = await server.get(`/api/exports/${id}`);
+    if (body.status !== "running") return body;
+    await new Promise((wake) => setTimeout(wake, 50));
+  }
+  throw new Error("the export does not end");
+}
+
 test("an export is one archive with the pictures, or the meshes, of the frames asked for", async () => {
   const run_export = async (order, view = "") => {
     const started = await server.send("POST", `/api/exports${view}`, order);
     assert.equal(started.status, 200, JSON.stringify(started.body));
-    let job;
-    do {
-      await new Promise((wake) => setTimeout(wake, 100));
-      job = (await server.get(`/api/exports/${started.body.id}`)).body;
-    } while (job.status === "running");
+    const job = await export_end(started.body.id);
     assert.equal(job.status, "done", job.reason);
     const file = await server.get(`/api/exports/${job.id}/file`);
     assert.equal(file.body.byteLength, job.bytes);
@@ -246,6 +253,9 @@ test("an export is one archive with the pictures, or the meshes, of the frames a
     assert.ok(some[`tear-vtp/${name}`] > 100, name);
   assert.equal(Object.keys(some).length, 7);
   assert.equal((await server.get(`/api/exports/${all.job.id}`)).status, 404, "the last one only");
+  assert.equal((await server.get("/api/exports")).body.running, null);
+  const head = await fetch(`${server.url}/api/exports/${all.job.id + 1}/file`, { method: "HEAD" });
+  assert.ok(Number(head.headers.get("content-length")) > 1000);
   for (const [order, pointer] of [
     [{ format: "gif" }, "/format"],
     [{}, "/format"],
@@ -261,11 +271,9 @@ test("an export is one archive with the pictures, or the meshes, of the frames a
   const { id } = (await server.send("POST", "/api/exports?w=1600&h=900", { format: "png" })).body;
   const second = await server.send("POST", "/api/exports", { format: "png" });
   assert.equal(second.status, 409);
+  assert.equal((await server.get("/api/exports")).body.running.id, id);
   assert.equal((await server.send("DELETE", `/api/exports/${id}`)).status, 200);
-  let job;
-  do job = (await server.get(`/api/exports/${id}`)).body;
-  while (job.status === "running");
-  assert.equal(job.status, "cancelled");
+  assert.equal((await export_end(id)).status, "cancelled");
   assert.equal((await server.get(`/api/exports/${id}/file`)).status, 404);
 });
 
@@ -281,7 +289,9 @@ test("a port that is taken is told, with exit code 2", async () => {
   assert.match(said, /is taken by another program; choose another/);
 });
 
-test("SIGTERM ends the server within 2 s", async () => {
+test("SIGTERM ends the server within 2 s, also while it exports large pictures", async () => {
+  const { status } = await server.send("POST", "/api/exports?w=3840&h=2160", { format: "png" });
+  assert.equal(status, 200);
   const { code, seconds } = await server.stop();
   assert.equal(code, 0);
   assert.ok(seconds < 2 * patience, `took ${seconds} s`);

@@ -232,7 +232,7 @@ test("downloads: picture, mesh and table", async () => {
 
 test("all frames: an archive, how far it is, cancelling, and why it failed", async () => {
   await with_page(async (page, run) => {
-    const text = (id) => page.locator(id).innerText();
+    const text = (id) => page.locator(id).textContent();
     run.set({ frame: 4 });
     await until("frame 4", async () => (await page.locator("#read-frame").textContent()) === "4");
     await page.locator("#export-button").click();
@@ -266,6 +266,18 @@ test("all frames: an archive, how far it is, cancelling, and why it failed", asy
     await until("another job", () => run.exported.id === 3);
     run.exported.status = "failed";
     await until("the reason", async () => /failed: the disk is full/.test(await text("#toast")));
+
+    await page.locator("#export-mesh").click();
+    await until("a fourth job", () => run.exported.id === 4 && run.exported.done);
+    await page.reload();
+    await page.locator("#export-button").click();
+    await until("the job goes on", async () => /Frame 1 of 91/.test(await text("#export-job")));
+    run.exported.done = 90;
+    run.export_held = false;
+    await until("it is ready", async () => /tear-vtp.zip is ready/.test(await text("#toast")));
+    const saved = page.waitForEvent("download");
+    await page.locator("#toast button").click();
+    assert.equal((await saved).suggestedFilename(), "tear-vtp.zip");
   });
 });
 

@@ -153,6 +153,8 @@ async function answer_api(run, request, url, response) {
   }
   if (/^\/api\/frames\/\d+\/mesh\.(ply|vtp|obj|glb)$/.test(pathname))
     return response.end("ply\nformat ascii 1.0\nend_header\n");
+  if (what === "GET /api/exports")
+    return json(response, 200, { running: run.exported?.status === "running" ? run.look_at_export() : null });
   if (what === "POST /api/exports") {
     if (run.exported?.status === "running")
       return json(response, 409, { title: "Conflict", detail: "Another export is running." });

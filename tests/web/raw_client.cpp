@@ -88,6 +88,13 @@ std::string RawClient::read_reply(Milliseconds limit) {
   }
 }
 
+bool RawClient::reply_begins(Milliseconds limit) {
+  const auto deadline = Clock::now() + limit;
+  while (in_.empty() && receive(deadline)) {
+  }
+  return !in_.empty();
+}
+
 bool RawClient::closed_by_server(Milliseconds limit) {
   const auto deadline = Clock::now() + limit;
   while (receive(deadline)) {

@@ -21,6 +21,7 @@ class RawClient {
   std::string read_to_end(Milliseconds limit = Milliseconds(2000));
   /// One reply by its Content-Length; empty when none comes in time.
   std::string read_reply(Milliseconds limit = Milliseconds(2000));
+  bool reply_begins(Milliseconds limit);  ///< true when the first bytes come in time
   bool closed_by_server(Milliseconds limit);  ///< true when end of stream comes in time
 
  private:

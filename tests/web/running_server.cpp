@@ -17,9 +17,12 @@ using web::Request;
 using web::Response;
 using web::Route;
 
-std::string large_file_text() {
-  std::string text;
-  for (int i = 0; text.size() < (24u << 20); ++i) text += std::to_string(i) + ' ';
+const std::string& large_file_text() {
+  static const std::string text = [] {
+    std::string numbers;
+    for (int i = 0; numbers.size() < (24u << 20); ++i) numbers += std::to_string(i) + ' ';
+    return numbers;
+  }();
   return text;
 }
 
@@ -77,8 +80,8 @@ std::vector<Route> RunningServer::routes() {
   routes.push_back(upload);
   routes.push_back(
       {"GET", "/api/big", [=](const Request&) { return text(std::string(16u << 20, 'x')); }});
-  routes.push_back({"GET", "/api/large-file", [](const Request&) {
-                      return Response{200, "application/zip", "", {}, large_file()};
+  routes.push_back({"GET", "/api/large-file", [file = large_file()](const Request&) {
+                      return Response{200, "application/zip", "", {}, file};
                     }});
   routes.push_back({"GET", "/api/error", [](const Request&) -> Response {
                       throw Error("scene.json#/bodies/0/density", "is -1, must be > 0");

@@ -33,6 +33,6 @@ class RunningServer {
 };
 
 /// What GET /api/large-file answers: 24 MiB from a file, more than any socket takes at once.
-std::string large_file_text();
+const std::string& large_file_text();
 
 }  // namespace rend::test

@@ -22,21 +22,43 @@ export class ExportJob {
     this.#toast = toast;
     this.#download = download;
     find("#export-cancel").addEventListener("click", () => this.#cancel());
+    this.#adopt();
   }
 
   /// `order` is {format, first, last}, `view` the query of a picture.
   async start(order, view) {
     try {
       const { id } = await send_json("POST", `/api/exports?${new URLSearchParams(view)}`, order);
-      this.#id = id;
+      this.#follow(id, (href, name, size) => {
+        this.#download(href, name);
+        this.#toast(`Saving ${name}, ${size}`);
+      });
     } catch (error) {
-      return this.#toast(error.message);
+      this.#toast(error.message);
+      if (error.status === 409) this.#adopt();
     }
+  }
+
+  // The job that another page, or this one before it was loaded again, has started.
+  async #adopt() {
+    const { running } = await get_json("/api/exports").catch(() => ({}));
+    if (!running || this.#id !== null) return;
+    this.#follow(running.id, (href, name, size) =>
+      this.#toast(`${name} is ready, ${size}`, { label: "Save", run: () => this.#download(href, name) }),
+    );
+  }
+
+  async #follow(id, ready) {
+    this.#id = id;
     try {
-      this.#end(await this.#wait(this.#id));
+      const { status, name, bytes, reason } = await this.#wait(id);
+      if (status === "done") ready(`/api/exports/${id}/file`, `${name}.zip`, size_of(bytes));
+      else if (status === "cancelled") this.#toast("The export was cancelled.");
+      else this.#toast(`The export failed: ${reason}`);
     } catch (error) {
       this.#toast(error.message);
     }
+    this.#id = null;
     find("#export-job").hidden = true;
   }
 
@@ -48,7 +70,7 @@ export class ExportJob {
         this.#show(job);
         await pause_for(POLL_MS);
       } catch (error) {
-        if (error instanceof Problem) throw error;
+        if (error instanceof Problem && error.status < 500) throw error;
         await pause_for(LOST_MS);
       }
     }
@@ -58,17 +80,6 @@ export class ExportJob {
     find("#export-job").hidden = false;
     set_text(find("#export-job-text"), `Frame ${done} of ${of}${time_left(seconds_left)}`);
     find("#export-job progress").value = done / of;
-  }
-
-  #end({ id, status, name, bytes, reason }) {
-    if (status === "done") {
-      this.#download(`/api/exports/${id}/file`, `${name}.zip`);
-      this.#toast(`Saving ${name}.zip, ${size_of(bytes)}`);
-    } else if (status === "cancelled") {
-      this.#toast("The export was cancelled.");
-    } else {
-      this.#toast(`The export failed: ${reason}`);
-    }
   }
 
   #cancel() {

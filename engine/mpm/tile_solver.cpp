@@ -139,7 +139,7 @@ void TileSolver::place(const Model& model) {
     if (mesh_.carries(id)) set_low_position(model.X[i] / dx_, lane);
   });
 
-  spare_.reserve(std::size_t(store_.tile_count()) * std::max(kMotionFloats, layout.floats()));
+  make_room_for_motion();
   std::fill(motion(), motion() + std::size_t(store_.tile_count()) * kMotionFloats, 0.0f);
   for (std::size_t slot = 0; slot < store_.ids().size(); ++slot) {
     if (store_.ids()[slot] < 0) continue;
@@ -152,6 +152,11 @@ void TileSolver::place(const Model& model) {
       for (int a = 0; a < 9; ++a) lane[(3 + a) * kLanes] = static_cast<float>(L(a / 3, a % 3));
   }
   update_topology();
+}
+
+void TileSolver::make_room_for_motion() {
+  spare_.reserve(std::size_t(store_.tile_count()) *
+                 std::max(kMotionFloats, store_.layout().floats()));
 }
 
 void TileSolver::update_topology() {
@@ -238,8 +243,7 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
       // Particles that gather from a bad node are bad too, which tells where it was. Too fast a
       // node is no fault yet: next to hard-pressed matter, nodes with next to no mass may be, and
       // no particle follows them. The pass tells how far particles really went.
-      spare_.reserve(std::size_t(store_.tile_count()) *
-                     std::max(kMotionFloats, store_.layout().floats()));
+      make_room_for_motion();
       every_particle(Pass::gather, step_constants(Pass::gather, dt, 0), 0);
       return {Status::not_finite};
     }
@@ -263,9 +267,7 @@ Fault TileSolver::run_leg(Real begin, Real end, const BetweenSteps& between, Fra
     // What is not finite goes on, for the pass to find where.
     if (!islands_.empty() && dt * (motion_.speed + dt * gravity_.norm()) >= dx_)
       return {Status::too_fast, -1, motion_.speed};
-    if (last || !mesh_.empty())
-      spare_.reserve(std::size_t(store_.tile_count()) *
-                     std::max(kMotionFloats, store_.layout().floats()));
+    if (last || !mesh_.empty()) make_room_for_motion();
     const Pass pass = last ? Pass::gather : Pass::fused;
     const StepSums sums = every_particle(pass, step_constants(pass, dt, next), next);
     if (rebin) {
@@ -324,7 +326,11 @@ FrameReport TileSolver::advance(Real duration, const BetweenSteps& between) {
     if (fault.status != Status::ok && !stopped_) --frame_;
   }
   if (fault.status != Status::ok) {
-    if (!islands_.empty()) islands_.unpack(store_, motion());
+    // A leg that ended early has not made room for motion since particles were sorted anew.
+    if (!islands_.empty() && fault.status != Status::out_of_memory) {
+      make_room_for_motion();
+      islands_.unpack(store_, motion());
+    }
     const Index suspected = fault.particle < 0 && !fault.tiny_step ? suspect() : fault.particle;
     restore(good_);
     // A value that was bad before the frame has spread by now.

@@ -132,6 +132,7 @@ class TileSolver : public Solver {
   Fault run_leg(Real begin, Real end, const BetweenSteps& between, FrameReport& report);
   /// Largest node velocity component [cells/s].
   Real grid_pass(Real dt);
+  void make_room_for_motion();
   void update_topology();
   void measure_motion();
   /// Groups that `materials` need, after those of `layout`.

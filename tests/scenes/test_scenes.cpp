@@ -2,6 +2,7 @@
 #include "app/pipeline.h"
 #include "app/scene_library.h"
 #include "engine/core/error.h"
+#include "engine/core/parallel.h"
 #include "engine/fracture/check_mesh.h"
 #include "tests/effort.h"
 
@@ -117,6 +118,26 @@ TEST_CASE("each scene is named like its file, says what it teaches, and runs its
         run_frames(test::full_effort() ? full : quick(library, name, full));
     }
   }
+}
+
+TEST_CASE("torn matter whose step is too long stops in the same state for the same reason") {
+  const SceneDesc scene =
+      SceneLibrary(REND_SOURCE_DIR)
+          .read("tear", {{"/grid/dx", "0.04"}, {"/frame_rate", "6"}, {"/solver/cfl", "2"}});
+  const auto model = std::make_shared<Model>(build_model(scene, kMemoryLimit));
+  FrameReport first;
+  set_thread_count(4);
+  for (int run = 0; run < test::by_effort(3, 8, 60); ++run) {
+    const auto solver = make_solver(scene, *model);
+    FrameReport r;
+    do r = solver->advance(1 / scene.frame_rate);
+    while (r.status == Status::ok && r.time < 5);
+    CHECK(r.status == Status::too_fast);
+    if (run == 0) first = r;
+    CHECK(r.reason == first.reason);
+    CHECK(r.state_hash == first.state_hash);
+  }
+  set_thread_count(0);
 }
 
 TEST_CASE(

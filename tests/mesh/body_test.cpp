@@ -2,6 +2,8 @@
 #include "engine/mesh/body.h"
 
 #include "engine/mesh/clip.h"
+#include "engine/mesh/solid.h"
+#include "tests/mesh/sample_files.h"
 
 #include <doctest/doctest.h>
 #include <Eigen/Geometry>
@@ -205,4 +207,18 @@ TEST_CASE("the skin stays a closed manifold where samples are too coarse for the
   CHECK(defects.edges.empty());
   CHECK(defects.vertices.empty());
   CHECK(std::count(clipped.used.begin(), clipped.used.end(), 0) < 10);
+}
+
+TEST_CASE("volume of mesh solids: exact however thin, overlapping parts once") {
+  for (const Vec3& size : {Vec3(20, 1, 1), Vec3(1, 1, 0.02), Vec3(1, 0.05, 1), Vec3(1000, 1, 1)}) {
+    TriangleSurface box = cube_surface();
+    for (Vec3& x : box.positions) x = x.cwiseProduct(size);
+    CAPTURE(size.transpose());
+    CHECK(make_mesh_solid(box, size.y())->volume() == doctest::Approx(size.prod()).epsilon(1e-12));
+  }
+  const auto apart = make_mesh_solid(merged(cube_surface(), cube_surface(Vec3(5, 0, 0))), 1);
+  CHECK(apart->volume() == doctest::Approx(2).epsilon(1e-12));
+  const auto crossing =
+      make_mesh_solid(merged(cube_surface(), cube_surface(Vec3(0.5, 0.5, 0.5))), 1.5);
+  CHECK(crossing->volume() == doctest::Approx(2 - 0.125).epsilon(0.01));
 }

@@ -6,6 +6,7 @@
 #include "app/gallery_command.h"
 #include "app/probe_command.h"
 #include "app/run_command.h"
+#include "app/say.h"
 #include "app/scene_library.h"
 #include "app/serve_command.h"
 #include "app/version.h"
@@ -291,12 +292,15 @@ int run_command_line(int argc, char** argv) {
   }
   try {
     set_thread_count(line.threads);
-    return line.action();
+    const int code = line.action();
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+    say("rend: standard output cannot be written\n");
+    return kFailure;
   } catch (const Error& error) {
-    fmt::print(stderr, "rend: {}\n", error.what());
+    say("rend: {}\n", error.what());
     return kBadInput;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "rend: not enough memory\n");
+    say("rend: not enough memory\n");
     return kFailure;
   }
 }

@@ -4,6 +4,7 @@
 #include "app/gallery_page.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
+#include "app/say.h"
 #include "app/view.h"
 #include "app/write_file.h"
 #include "engine/core/error.h"
@@ -151,7 +152,7 @@ int make_gallery(const SceneLibrary& library, const GalleryOptions& options) {
       model = std::make_shared<Model>(build_model(scene, kMemoryLimit));
     } catch (const Error& error) {
       if (!is_local(scene)) throw;
-      fmt::print(stderr, "{}: left out: {}\n", name, error.what());
+      say("{}: left out: {}\n", name, error.what());
       continue;
     }
     ProgressLine line(name);

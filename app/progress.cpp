@@ -1,6 +1,8 @@
 // Progress lines.
 #include "app/progress.h"
 
+#include "app/say.h"
+
 #include <fmt/format.h>
 
 #include <unistd.h>
@@ -38,19 +40,19 @@ void ProgressLine::show(double share, const std::string& detail) {
   if (terminal_) {
     constexpr int kWidth = 24;
     const int filled = static_cast<int>(std::clamp(share, 0.0, 1.0) * kWidth);
-    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} % {}{}", what_, "", filled, "", kWidth - filled,
+    say("\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} % {}{}", what_, "", filled, "", kWidth - filled,
                100 * share, detail, left);
     std::fflush(stderr);
     open_ = true;
   } else {
-    fmt::print(stderr, "{} {:.0f} % {}{}\n", what_, 100 * share, detail, left);
+    say("{} {:.0f} % {}{}\n", what_, 100 * share, detail, left);
   }
 }
 
 void ProgressLine::finish(const std::string& summary) {
   if (terminal_ && open_) std::fputs("\r\033[K", stderr);
   open_ = false;
-  fmt::print(stderr, "{} {}\n", what_, summary);
+  say("{} {}\n", what_, summary);
 }
 
 }  // namespace rend

@@ -4,6 +4,7 @@
 #include "app/checkpoint.h"
 #include "app/progress.h"
 #include "app/record.h"
+#include "app/say.h"
 #include "app/write_file.h"
 #include "engine/core/error.h"
 #include "engine/mpm/energy_balance.h"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <optional>
 #include <sstream>
 
@@ -32,7 +34,7 @@ std::shared_ptr<Model> prepare_model(const SceneDesc& scene) {
       build_model(scene, kMemoryLimit, [&](const char* stage, double share) { line.show(share, stage); }));
   line.finish(fmt::format("{} particles, {} tets in {}", model->particle_count(), model->tets.size(),
                           duration_text(seconds_since(start))));
-  for (const std::string& note : model->notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : model->notes) say("note: {}\n", note);
   return model;
 }
 
@@ -46,6 +48,19 @@ std::vector<std::filesystem::path> recorded_files(const std::filesystem::path& r
   return files;
 }
 
+Index frame_of(const std::filesystem::path& record) { return std::atoi(record.stem().c_str()); }
+
+/// @throws Error when a frame between the first and the last is missing, and for a wanted one that is not there.
+void check_frames(const std::vector<std::filesystem::path>& records, const std::vector<int>& wanted) {
+  const Index first = frame_of(records.front()), last = frame_of(records.back());
+  for (std::size_t n = 0; n < records.size(); ++n)
+    if (const Index frame = first + static_cast<Index>(n); frame_of(records[n]) != frame)
+      throw Error(records[n].parent_path().string(), fmt::format("has no frame {}, but later ones", frame));
+  for (const int frame : wanted)
+    if (frame < first || frame > last)
+      throw Error("--only", fmt::format("{} is not recorded; {} to {} are", frame, first, last));
+}
+
 /// What became of the energy, and when the balance first left its bounds.
 class EnergyWatch {
  public:
@@ -55,15 +70,14 @@ class EnergyWatch {
   }
   void tell() const {
     const FrameReport& r = last_;
-    fmt::print(stderr,
-               "energy: kinetic {:.4g} J, elastic {:.4g} J, gravity {:.4g} J, dissipated {:.4g} J, friction {:.4g} J, "
+    say("energy: kinetic {:.4g} J, elastic {:.4g} J, gravity {:.4g} J, dissipated {:.4g} J, friction {:.4g} J, "
                "external work {:.4g} J, transfer loss {:.4g} J ({:.1f} % of the turnover)\n",
                r.kinetic_energy + r.affine_energy, r.elastic_energy, r.gravity_energy, r.dissipated_energy,
                r.friction_energy, r.external_work, r.transfer_loss, 100 * energy_drift(r));
     const std::string warning = energy_warning(r);
-    if (!warning.empty()) fmt::print(stderr, "warning: {}\n", warning);
+    if (!warning.empty()) say("warning: {}\n", warning);
     else if (first_warned_ >= 0)
-      fmt::print(stderr, "warning: the energy balance was out of bounds from frame {} on for a while; see energy_drift in frames.csv\n", first_warned_);
+      say("warning: the energy balance was out of bounds from frame {} on for a while; see energy_drift in frames.csv\n", first_warned_);
   }
 
  private:
@@ -81,7 +95,7 @@ Checkpoint newest_checkpoint(const std::filesystem::path& run_directory, std::ui
       if (first) throw *first;
       first = error;
       if (checkpoint_files(run_directory).size() > 1)
-        fmt::print(stderr, "note: {}; trying the one before\n", error.what());
+        say("note: {}; trying the one before\n", error.what());
     }
   }
   throw *first;
@@ -91,7 +105,7 @@ Checkpoint newest_checkpoint(const std::filesystem::path& run_directory, std::ui
 void go_on(Pipeline& pipeline, const Checkpoint& from, const RunDirectory& directory) {
   std::istringstream state(from.state);
   pipeline.resume(from.frame, state, [&](Index frame) { return directory.recorded(frame); });
-  fmt::print(stderr, "going on after frame {}\n", from.frame);
+  say("going on after frame {}\n", from.frame);
 }
 
 }  // namespace
@@ -102,15 +116,15 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   check_folder(options.output.out);  // before minutes of preparation
   Checkpoint from;
   if (options.resume) from = newest_checkpoint(options.output.out, hash);
-  else drop_checkpoints(options.output.out);
   if (from.frame >= frames) {
-    fmt::print(stderr, "nothing to do: {} frames are there\n", from.frame);
+    say("nothing to do: {} frames are there\n", from.frame);
     return 0;
   }
   const auto model = prepare_model(scene);
   Pipeline pipeline(scene, model);
-  fmt::print(stderr, "{}\n", pipeline.solver_choice());
+  say("{}\n", pipeline.solver_choice());
   const Stage stage = make_stage(scene, *model);
+  if (!options.resume) drop_earlier_run(options.output.out);
   RunDirectory directory(options.output, stage, *model, from.frame);
   if (options.resume) go_on(pipeline, from, directory);
   // Solver and fracture mesh have tables of their own.
@@ -121,14 +135,14 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
   ProgressLine line("running");
   for (int n = static_cast<int>(from.frame) + 1; n <= frames; ++n) {
     const Frame frame = pipeline.advance();
-    directory.write(frame);
     const FrameReport& report = frame.snapshot->report;
     energy.see(report);
     if (report.status != Status::ok) {
       line.finish(fmt::format("stopped in frame {}: {}", n, report.reason));
       energy.tell();
-      return 4;
+      return 4;  // the last good frame is there already
     }
+    directory.write(frame);
     if (options.checkpoint_every > 0 && n % options.checkpoint_every == 0) {
       std::ostringstream state;
       pipeline.save(state);
@@ -146,11 +160,14 @@ int run_scene(const SceneDesc& scene, const RunOptions& options) {
 int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_directory, const OutputOptions& options,
                const std::vector<int>& only) {
   const auto files = recorded_files(run_directory);
+  check_frames(files, only);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(run_directory, options.out, ignored))
+    throw Error("--out", "is the run itself; choose another folder");
   check_folder(options.out);
   const auto model = prepare_model(scene);
   const std::uint64_t wanted = fingerprint(*model);
   const Stage stage = make_stage(scene, *model);
-  RunDirectory directory(options, stage, *model);
   const Clock::time_point start = Clock::now();
   ProgressLine line("remeshing");
   // First what breaks when, then the surfaces: crack faces are smoothed knowing how the run ends.
@@ -160,6 +177,7 @@ int remesh_run(const SceneDesc& scene, const std::filesystem::path& run_director
     live.update(read_snapshot(file, wanted));
     if (scene.render.color_by == "threshold") nearness.push_back(live.nearness());
   }
+  RunDirectory directory(options, stage, *model);  // only now: every record has been read
   FractureMesh fracture = live.playback(live.break_table());
   for (std::size_t n = 0; n < files.size(); ++n) {
     auto snapshot = std::make_shared<const Snapshot>(read_snapshot(files[n], wanted));

@@ -134,3 +134,58 @@ TEST_CASE("a disk that takes no more ends the run with the file's name, and leav
     CHECK(entry.path().filename() != "000001.ply");
   }
 }
+
+TEST_CASE("a run takes the place of an earlier one, and one that is refused leaves it alone") {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("small.json", small_scene()).string();
+  const auto run = [&](const std::string& more) {
+    return run_rend("run '" + scene + "' --no-png --out '" + (folder.path() / "out").string() + "' " + more);
+  };
+  const auto count = [&](const char* name) {
+    std::error_code none;
+    const std::filesystem::directory_iterator files(folder.path() / "out" / name, none);
+    return std::distance(begin(files), end(files));
+  };
+  REQUIRE(run("--frames 4 --checkpoint-every 2 --formats ply,vtp").exit_code == 0);
+  CHECK(run("--set /grid/dx=1000").exit_code == 2);
+  CHECK(count("checkpoint") == 2);
+  CHECK(count("record") == 4);
+  REQUIRE(run("--frames 2").exit_code == 0);
+  CHECK(count("checkpoint") == 0);
+  CHECK(count("record") == 2);
+  CHECK(count("mesh") == 2);
+  CHECK(count("particles") == 2);
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "out" / "mesh.pvd"));
+}
+
+TEST_CASE("remesh refuses frames that are not there and the run itself, before it writes") {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("small.json", small_scene()).string();
+  const std::string out = (folder.path() / "out").string(), other = (folder.path() / "other").string();
+  REQUIRE(run_rend("run '" + scene + "' --no-png --frames 3 --out '" + out + "'").exit_code == 0);
+  const auto remesh = [&](const std::string& more) { return run_rend("remesh '" + out + "' --no-png " + more); };
+  const auto refused = [&](const std::string& more, const char* why) {
+    const Outcome outcome = remesh(more);
+    CHECK(outcome.exit_code == 2);
+    CHECK(outcome.text.find(why) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(other));
+  };
+  refused("--out '" + other + "' --only 99", "99 is not recorded; 1 to 3 are");
+  refused("--out '" + out + "'", "is the run itself");
+  refused("--out '" + other + "' --set /seed=7", "another scene");
+  std::filesystem::remove(folder.path() / "out" / "record" / "000002.bin");
+  refused("--out '" + other + "'", "has no frame 2");
+}
+
+TEST_CASE("closed and full streams: a run goes on without standard error, a lost table is told") {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("small.json", small_scene()).string();
+  for (const char* where : {"2>&-", "2>/dev/full"}) {
+    const std::string out = (folder.path() / "out").string();
+    CHECK(run_rend("run '" + scene + "' --no-png --frames 1 --out '" + out + "' " + where + "; exit $?").exit_code == 0);
+    CHECK(std::filesystem::exists(folder.path() / "out" / "mesh" / "000001.ply"));
+    std::filesystem::remove_all(out);
+  }
+  const Outcome lost = run_rend("check '" + scene + "' >/dev/full; exit $?");
+  CHECK(lost.exit_code == 1);
+}

@@ -27,8 +27,6 @@ using nlohmann::json;
 using web::Request;
 using web::Response;
 
-Response reply(const json& body) { return {200, "application/json", body.dump(), {}}; }
-
 json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 json state_json(const SessionState& s, const Session& session, const PictureService& pictures) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <string_view>
@@ -26,6 +27,8 @@ Real within(Real value, Real min, Real max, const std::string& where) {
 }
 
 }  // namespace
+
+web::Response reply(const nlohmann::json& body) { return {200, "application/json", body.dump(), {}}; }
 
 JsonValue parse_body(const std::string& body, std::initializer_list<const char*> known) {
   if (body.empty()) return JsonValue::object();

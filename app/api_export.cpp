@@ -5,6 +5,7 @@
 #include "app/api_query.h"
 #include "app/frame_formats.h"
 #include "app/frame_table.h"
+#include "app/run_directory.h"
 #include "app/write_file.h"
 #include "engine/core/error.h"
 
@@ -22,10 +23,6 @@ namespace {
 using nlohmann::json;
 using web::Request;
 using web::Response;
-
-constexpr int kExportPasses = 8;  // as `rend run` has them
-
-Response reply(const json& body) { return {200, "application/json", body.dump(), {}}; }
 
 Response no_export() { return web::problem(404, "no_export", "There is no such export."); }
 
@@ -62,7 +59,7 @@ class PictureExport {
  public:
   PictureExport(GlBackend backend, std::shared_ptr<const Stage> stage, View view)
       : backend_(backend), stage_(std::move(stage)), view_(std::move(view)) {
-    view_.accumulate = kExportPasses;
+    view_.accumulate = OutputOptions{}.accumulate;
   }
 
   std::vector<ExportedFile> operator()(const Frame& frame, const KeepOn& keep_on) {

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace rend {
 
@@ -101,16 +100,7 @@ std::string tearing_scene(const TriangleSurface& surface, const std::string& nam
 }
 
 MeshUploads::MeshUploads(SceneLibrary& library, MeshLoading loading)
-    : library_(library), loading_(std::move(loading)) {
-  std::string pattern = (fs::temp_directory_path() / "rend-meshes-XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw Error(pattern, "cannot make a folder for meshes");
-  folder_ = pattern;
-}
-
-MeshUploads::~MeshUploads() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
+    : library_(library), loading_(std::move(loading)) {}
 
 std::string MeshUploads::free_name(const std::string& stem) const {
   const std::vector<std::string> taken = library_.names();
@@ -134,7 +124,7 @@ UploadedMesh MeshUploads::add(const std::string& file_name, std::string_view byt
   const std::lock_guard lock(mutex_);
   uploaded.name = free_name(plain_name(fs::path(file_name).stem().string(), "mesh"));
   // A folder for each, so that names in it are free.
-  const fs::path place = folder_ / std::to_string(count_++);
+  const fs::path place = folder_.path() / std::to_string(count_++);
   std::string ending = fs::path(file_name).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return std::tolower(c); });

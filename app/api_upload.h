@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/scene_library.h"
+#include "app/temporary_folder.h"
 #include "engine/mesh/mesh_import.h"
 
 #include <deque>
@@ -23,7 +24,6 @@ struct UploadedMesh {
 class MeshUploads {
  public:
   explicit MeshUploads(SceneLibrary& library, MeshLoading loading = {});
-  ~MeshUploads();
   MeshUploads(const MeshUploads&) = delete;
   MeshUploads& operator=(const MeshUploads&) = delete;
 
@@ -41,7 +41,7 @@ class MeshUploads {
 
   SceneLibrary& library_;
   MeshLoading loading_;
-  std::filesystem::path folder_;
+  TemporaryFolder folder_{"rend-meshes"};
   std::mutex mutex_;
   std::deque<std::string> names_;  ///< oldest first
   int count_ = 0;

@@ -110,20 +110,9 @@ Checkpoint read_checkpoint(const std::filesystem::path& file, std::uint64_t scen
   return out;
 }
 
-void drop_earlier_run(const std::filesystem::path& run_directory) {
-  namespace fs = std::filesystem;
+void drop_checkpoints(const std::filesystem::path& run_directory) {
   std::error_code ignored;
-  for (const auto& file : newest_first(run_directory)) fs::remove(file, ignored);
-  for (const char* series : {"mesh.pvd", "particles.pvd"}) fs::remove(run_directory / series, ignored);
-  for (const char* folder : {"png", "mesh", "particles", "record"}) {
-    std::vector<fs::path> frames;
-    for (const auto& entry : fs::directory_iterator(run_directory / folder, ignored)) {
-      const std::string stem = entry.path().stem().string();
-      if (stem.size() == 6 && stem.find_first_not_of("0123456789") == std::string::npos)
-        frames.push_back(entry.path());
-    }
-    for (const fs::path& frame : frames) fs::remove(frame, ignored);
-  }
+  for (const auto& file : newest_first(run_directory)) std::filesystem::remove(file, ignored);
 }
 
 std::vector<std::filesystem::path> checkpoint_files(const std::filesystem::path& run_directory) {

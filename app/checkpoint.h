@@ -28,8 +28,8 @@ void write_checkpoint(const std::filesystem::path& run_directory, const Checkpoi
 /// @throws Error naming the file when it is damaged, from another version or of another scene.
 Checkpoint read_checkpoint(const std::filesystem::path& file, std::uint64_t scene_hash);
 
-/// Removes checkpoints, frames and series of an earlier run, so that no frame of it is taken for one of the next.
-void drop_earlier_run(const std::filesystem::path& run_directory);
+/// Forgets the checkpoints of an earlier run.
+void drop_checkpoints(const std::filesystem::path& run_directory);
 
 /// The checkpoints of a run directory, newest first. @throws Error when there are none.
 std::vector<std::filesystem::path> checkpoint_files(const std::filesystem::path& run_directory);

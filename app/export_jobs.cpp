@@ -6,7 +6,6 @@
 #include "engine/core/error.h"
 
 #include <chrono>
-#include <cstdlib>
 #include <new>
 
 namespace rend {
@@ -27,20 +26,12 @@ const char* export_state_name(ExportState state) {
   return "";
 }
 
-ExportJobs::ExportJobs() {
-  std::string pattern = (fs::temp_directory_path() / "rend-exports-XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw Error(pattern, "cannot make a folder for exports");
-  folder_ = pattern;
-}
-
 ExportJobs::~ExportJobs() {
   cancel_ = true;
   if (thread_.joinable()) thread_.join();
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
 }
 
-fs::path ExportJobs::file(int id) const { return folder_ / (std::to_string(id) + ".zip"); }
+fs::path ExportJobs::file(int id) const { return folder_.path() / (std::to_string(id) + ".zip"); }
 
 const ExportStatus* ExportJobs::find(int id) const {
   if (id <= 0) return nullptr;
@@ -58,7 +49,7 @@ std::optional<int> ExportJobs::start(ExportOrder order) {
   const std::lock_guard lock(mutex_);
   if (id_ > 0 && status_.state == ExportState::running) return std::nullopt;
   if (thread_.joinable()) thread_.join();  // it has nothing left to do
-  make_folder(folder_);                    // somebody may have tidied up
+  make_folder(folder_.path());             // somebody may have tidied up
   const ExportStatus fresh{ExportState::running, order.name, 0, order.frames.size(), 0, 0, {}};
   cancel_ = false;
   thread_ = std::thread(

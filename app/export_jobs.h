@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/session.h"
+#include "app/temporary_folder.h"
 #include "web/file_body.h"
 
 #include <atomic>
@@ -52,7 +53,7 @@ struct ExportStatus {
 /// that is finished stays until another is.
 class ExportJobs {
  public:
-  ExportJobs();
+  ExportJobs() = default;
   ~ExportJobs();
   ExportJobs(const ExportJobs&) = delete;
   ExportJobs& operator=(const ExportJobs&) = delete;
@@ -74,7 +75,7 @@ class ExportJobs {
   const ExportStatus* find(int id) const;
   void forget_kept();
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_{"rend-exports"};
   mutable std::mutex mutex_;
   int id_ = 0, kept_id_ = 0;  ///< the newest job, and an older one whose archive is still there
   ExportStatus status_, kept_;

@@ -1,6 +1,7 @@
 // A run directory.
 #include "app/run_directory.h"
 
+#include "app/checkpoint.h"
 #include "app/record.h"
 #include "app/write_file.h"
 #include "engine/core/error.h"
@@ -37,6 +38,22 @@ std::string first_rows(const std::filesystem::path& file, Index count) {
 }
 
 }  // namespace
+
+void drop_earlier_run(const std::filesystem::path& run_directory) {
+  namespace fs = std::filesystem;
+  drop_checkpoints(run_directory);
+  std::error_code ignored;
+  for (const char* series : {"mesh.pvd", "particles.pvd"}) fs::remove(run_directory / series, ignored);
+  for (const char* folder : {"png", "mesh", "particles", "record"}) {
+    std::vector<fs::path> frames;
+    for (const auto& entry : fs::directory_iterator(run_directory / folder, ignored)) {
+      const std::string stem = entry.path().stem().string();
+      if (stem.size() == 6 && stem.find_first_not_of("0123456789") == std::string::npos)
+        frames.push_back(entry.path());
+    }
+    for (const fs::path& frame : frames) fs::remove(frame, ignored);
+  }
+}
 
 RunDirectory::RunDirectory(OutputOptions options, const Stage& stage, const Model& model, Index keep)
     : options_(std::move(options)), stage_(stage), model_(model), fingerprint_(fingerprint(model)) {

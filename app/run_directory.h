@@ -48,4 +48,7 @@ class RunDirectory {
   std::string table_;
 };
 
+/// Removes checkpoints, frames and series of an earlier run, so that no frame of it is taken for one of the next.
+void drop_earlier_run(const std::filesystem::path& run_directory);
+
 }  // namespace rend

@@ -63,8 +63,6 @@ struct SurfaceScratch::Buffers {
 
 SurfaceScratch::SurfaceScratch() : buffers_(std::make_unique<Buffers>()) {}
 SurfaceScratch::~SurfaceScratch() = default;
-SurfaceScratch::SurfaceScratch(SurfaceScratch&&) noexcept = default;
-SurfaceScratch& SurfaceScratch::operator=(SurfaceScratch&&) noexcept = default;
 std::size_t SurfaceScratch::bytes() const {
   return buffers_->carriers.bytes() + buffers_->corners.bytes() +
          buffers_->vertex_of_corner.bytes();

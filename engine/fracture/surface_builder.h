@@ -25,8 +25,6 @@ class SurfaceScratch {
  public:
   SurfaceScratch();
   ~SurfaceScratch();
-  SurfaceScratch(SurfaceScratch&&) noexcept;
-  SurfaceScratch& operator=(SurfaceScratch&&) noexcept;
   std::size_t bytes() const;
 
  private:

@@ -94,7 +94,7 @@ void TileSolver::restore(const State& s) {
   store_.restore(s.store);
   mesh_.restore(s.mesh);
   if (!mesh_.empty()) place_vertices();
-  spare_.reserve(std::max(s.motion.size(), s.store.tiles.size()));
+  make_room_for_motion();
   std::copy(s.motion.begin(), s.motion.end(), motion());
   time_ = s.time;
   balance_ = s.balance;
